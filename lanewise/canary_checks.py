@@ -9,6 +9,7 @@ import re
 import secrets
 from collections.abc import Callable
 from importlib import import_module
+from importlib.util import find_spec
 from types import FunctionType
 from typing import Any
 
@@ -217,7 +218,7 @@ def _try_remembering() -> None:
 @_check("KernelTypeInference")
 def _try_inference() -> None:
     """Type inference asks the typing context of its state, and no other, about calls."""
-    answers = import_module("lanewise.numba_adapter").ANSWERS
+    answers = import_module("lanewise.remembered_answers").ANSWERS
     answers.clear()
     _compiled(kernel(lambda x: x - x), np.float32(1))
     assert answers, "nothing was asked"
@@ -261,6 +262,30 @@ def _try_call_template() -> None:
     inner = _compiled(_two_times, np.float32(1)).py_func.__globals__["_times"]
     numbers = {str(signature[1]) for signature in inner.signatures}
     assert numbers == {"int64"}, f"compiled for {numbers}"
+
+
+@_check("untold_of_locks")
+def _try_locks() -> None:
+    """LLVM's lock has a list of those who are told when it is taken, which may be another one."""
+    import llvmlite.binding as llvm
+
+    event, adapter = import_module("numba.core.event"), import_module("lanewise.numba_adapter")
+    with event.install_recorder("numba:llvm_lock") as seen, adapter.untold_of_locks():
+        llvm.parse_assembly("")
+    assert not seen.buffer, "Numba was told"
+    with event.install_recorder("numba:llvm_lock") as seen:
+        llvm.parse_assembly("")
+    assert seen.buffer, "Numba is not told any more"
+
+
+@_check("leave_scipy_alone")
+def _try_leaving_scipy() -> None:
+    """Where SciPy is, Numba asks for its linear algebra once more when it needs it."""
+    import_module("lanewise.numba_adapter").leave_scipy_alone()
+    arraymath, linalg = import_module("numba.np.arraymath"), import_module("numba.np.linalg")
+    assert arraymath.ensure_blas is linalg.ensure_blas, "Numba goes on without SciPy"
+    has_blas = vars(arraymath)["_HAVE_BLAS"]
+    assert has_blas == bool(find_spec("scipy")), "Numba is wrong about SciPy"
 
 
 @_check("object_code")

@@ -8,10 +8,11 @@ from __future__ import annotations
 from typing import Any
 
 from lanewise import memory_instructions, record_instructions, simd, wide_instructions
+from lanewise.dispatchers import jit
 from lanewise.instructions import PRIMITIVES
 from lanewise.kept_functions import digest_on_disk, keep_on_disk
 from lanewise.lane_types import N
-from lanewise.numba_adapter import jit, object_code
+from lanewise.numba_adapter import object_code
 from lanewise.portable import compile_for_target
 
 __all__ = ["digest_on_disk", "jit", "keep_on_disk", "object_code", "primitive"]

@@ -1,9 +1,10 @@
 """All that lanewise takes from Numba and llvmlite beyond what they document, in one place.
 
-The rest of the package uses `numba.types`, `typeof`, `from_dtype`, `config` and `numba.extending`,
-`llvmlite.ir` and `llvmlite.binding`. The names below are Numba's own affair and may change with any minor version.
-Each says in one line what is assumed of it, and `lanewise.canary` tries them one by one. So do the
-`METHODS` of objects that Numba and llvmlite hand to the rest of the package.
+The rest of the package uses `numba.njit`, `types`, `typeof`, `from_dtype`, `config` and
+`numba.extending`, `llvmlite.ir` and `llvmlite.binding`. The names below are Numba's own affair and
+may change with any minor version. Each says in one line what is assumed of it, and
+`lanewise.canary` tries them one by one. So do the `METHODS` of objects that Numba and llvmlite hand
+to the rest of the package.
 """
 
 # Numba declares infer_global and others as None until it is initialised.
@@ -11,13 +12,17 @@ Each says in one line what is assumed of it, and `lanewise.canary` tries them on
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from copy import copy
-from functools import partial
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numba.core import cgutils  # struct proxies, `alloca_once`, `get_or_insert_function`
 from numba.core import ir as numba_ir  # Const, Global and FreeVar hold `value`, which may be set
 from numba.core.caching import NullCache  # a dispatcher's `_cache`, which is asked first
@@ -58,36 +63,18 @@ from numba.core.untyped_passes import (
 )
 
 from lanewise.machine_code import ObjectCode
+from lanewise.numba_methods import METHODS
 from lanewise.portable import forbid_estimates
+from lanewise.remembered_answers import RememberingContext
 
 __all__ = [
-    "DIGEST", "AbstractTemplate", "NullCache", "OptimisedLibrary", "TypingError", "as_compiled",
-    "bare_descriptor", "cgutils", "infer_global", "jit", "look_in", "lower_constant",
-    "make_struct", "object_code",
+    "DIGEST", "METHODS", "AbstractTemplate", "LeanCompiler", "NullCache", "OptimisedLibrary",
+    "StockCompiler", "TypingError", "as_compiled", "bare_descriptor", "cgutils", "infer_global",
+    "look_in", "lower_constant", "make_struct", "object_code",
 ]  # fmt: skip
 
 #: What Numba raises for a kernel that it does not compile.
 NOT_COMPILED = NumbaError
-
-
-#: (class, method or attribute) that other files use -> what is assumed of it. The code generators
-#: are given a `BaseContext` as `context`, and unboxing a `PythonAPI` as `c.pyapi`.
-METHODS = {
-    ("numba.core.base.BaseContext", "cast"): "converts a value to another type",
-    ("numba.core.base.BaseContext", "get_constant"): "a Python number as a constant",
-    ("numba.core.base.BaseContext", "get_data_type"): "how a type is laid out in memory",
-    ("numba.core.base.BaseContext", "get_dummy_value"): "what a call that returns None gives",
-    ("numba.core.base.BaseContext", "get_value_as_data"): "a value as it is laid out in memory",
-    ("numba.core.base.BaseContext", "get_value_type"): "the LLVM type of values of a type",
-    ("numba.core.base.BaseContext", "make_tuple"): "a tuple of values",
-    ("numba.core.pythonapi.PythonAPI", "decref"): "gives a reference back",
-    ("numba.core.pythonapi.PythonAPI", "err_occurred"): "not null if Python has raised",
-    ("numba.core.pythonapi.PythonAPI", "float_as_double"): "the double in a Python float",
-    ("numba.core.pythonapi.PythonAPI", "number_float"): "a number as a Python float",
-    ("numba.core.pythonapi.PythonAPI", "object_getattr_string"): "an attribute by its name",
-    ("llvmlite.ir.Type", "as_pointer"): "pointers know the type that they point to",
-    ("llvmlite.ir.PointerType", "pointee"): "the type that a pointer points to",
-}
 
 
 def make_struct(context: Any, builder: Any, kind: types.Type, **fields: Any) -> Any:
@@ -130,6 +117,8 @@ class OptimisedLibrary(JITCodeLibrary):
     alone: bytes | None = b""
     #: What type inference asked about other kernels, with the answers.
     calls: tuple = ()
+    #: Whether this is a root kernel, which is not inlined anywhere.
+    is_root: bool = False
 
     def add_linking_library(self, library):
         """Link with a function; not with Numba's runtime, "nrt", as kernels count no references."""
@@ -148,6 +137,28 @@ class OptimisedLibrary(JITCodeLibrary):
         self.alone = bitcode if self.alone == b"" else None
         # Through bitcode, as one that is linked anew (`lanewise.unlinked`).
         self.take_in(llvm.parse_bitcode(bitcode))
+
+    def _optimize_functions(self, ll_module):
+        # Numba's method of this name, without a pass manager for each function that is declared.
+        ll_module.data_layout = self._codegen._data_layout
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes, options = self._codegen._function_pass_manager()
+                passes.run(function, options)
+
+    def _optimize_final_module(self):
+        if self.is_root:
+            super()._optimize_final_module()
+            return
+        # The first half of Numba's method of this name: what is called is inlined. The rest would
+        # be done again for each caller, up to the root, whose code and speed do not need it.
+        passes, options = self._codegen._module_pass_manager(
+            loop_vectorize=self._codegen._loopvect,
+            slp_vectorize=False,
+            opt=self._codegen._opt_level,
+            cost="cheap",
+        )
+        passes.run(self._final_module, options)
 
     def take_in(self, module: Any) -> None:
         """Take in a module whose functions have been optimised one by one."""
@@ -201,6 +212,7 @@ class LowerToLibrary(NativeLowering):
             state.func_id.unique_id = digest
         state.library = OptimisedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.calls = tuple(state.calls)
+        state.library.is_root = not state.flags.forceinline
         super().run_pass(state)
         entry = unused_entry()
         lowered = state["cr"]
@@ -248,43 +260,6 @@ def look_in(dispatcher: Any, cache: NullCache) -> None:
     dispatcher._cache = cache
 
 
-class RememberingContext:
-    """Numba's typing context, which gives at once the answers that it has given before.
-
-    To find out what ``a + b`` is, Numba asks everything that is known of +, ours last, and writes
-    a message for each that does not fit: an eighth of the time of a compilation.
-    """
-
-    def __init__(self, context: Any) -> None:
-        self._context = context
-        #: ((dispatcher, arguments, keywords), signature) of each call of a kernel.
-        self.calls: list[tuple] = []
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._context, name)
-
-    def resolve_function_type(self, function: Any, arguments: Any, keywords: Any) -> Any:
-        """The signature of a call; not of kernels and methods, which are asked once each."""
-        if keywords or not isinstance(function, types.Function):
-            answer = self._context.resolve_function_type(function, arguments, keywords)
-            if isinstance(function, types.Dispatcher):
-                asked = function.dispatcher, tuple(arguments), dict(keywords)
-                if (asked, answer) not in self.calls:
-                    self.calls.append((asked, answer))
-            return answer
-        question = function, tuple(arguments)
-        if question not in ANSWERS:
-            answer = self._context.resolve_function_type(function, arguments, keywords)
-            if answer is None:
-                return None
-            ANSWERS[question] = answer
-        return ANSWERS[question]
-
-
-#: Function and types of arguments -> the signature of the call.
-ANSWERS: dict[tuple, Any] = {}
-
-
 @register_pass(mutates_CFG=True, analysis_only=False)
 class KernelTypeInference(NopythonTypeInference):
     """Type inference that asks each question once."""
@@ -307,6 +282,10 @@ class LeanCompiler(CompilerBase):
     closures, generators, list comprehensions, parallel loops and typed-IR rewrites, none of which
     kernels have, and the annotation of types for display.
     """
+
+    def __init__(self, *state: Any) -> None:
+        leave_scipy_alone()  # before Numba loads all that it knows
+        super().__init__(*state)
 
     def define_pipelines(self):
         """The passes in order."""
@@ -339,39 +318,40 @@ class StockCompiler(CompilerBase):
         return [pipeline]
 
 
-def jit(function: Any, *, fast_math: set[str], root: bool, stock: bool = False) -> Any:
-    """A Numba dispatcher; of lean root kernels `object_code` makes something to be called."""
-    dispatcher = njit(  # pyright: ignore[reportCallIssue]
-        function,
-        nogil=True,
-        fastmath=fast_math,
-        error_model="numpy",
-        pipeline_class=StockCompiler if stock else LeanCompiler,
-        # Only Numba's own calls from Python need these.
-        no_cpython_wrapper=not (root and stock),
-        no_cfunc_wrapper=True,
-        # A call would pass the state of 16 paths through memory: a fifth of the time.
-        forceinline=not root,
-    )
-    if not stock:
-        dispatcher.get_call_template = partial(call_template, dispatcher)
-    return dispatcher
+@contextmanager
+def untold_of_locks() -> Iterator[None]:
+    """Call LLVM without Numba's timers being told of each call.
 
-
-def call_template(dispatcher: Any, arguments: Any, keywords: Any) -> tuple:
-    """What a call of a kernel is, after Numba's method of this name: one kernel for all numbers.
-
-    Numba would compile another one for each constant in a call. Inlined, they are the same machine
-    code. Only where the text has to know the number (how many lanes) is one made for it.
+    There are two for each kernel on the way to the one that is being compiled: of the time for a
+    Cornell box, a twentieth.
     """
-    method = type(dispatcher).get_call_template
-    plain = [types.unliteral(argument) for argument in arguments]
-    if keywords or plain == list(arguments):
-        return method(dispatcher, arguments, keywords)
+    lock = llvm.ffi.lib._lock
+    with global_compiler_lock:
+        with lock._lock:
+            told, lock._cblist = lock._cblist, []
+        try:
+            yield
+        finally:
+            with lock._lock:
+                lock._cblist = told
+
+
+def leave_scipy_alone() -> None:
+    """Keep Numba from importing SciPy's linear algebra to see whether it is there.
+
+    It does so before it compiles anything, a quarter of a second, and again when it needs it.
+    """
+    if "numba.np.arraymath" in sys.modules or not find_spec("scipy"):
+        return
+    # Its `ensure_blas` does that, and `arraymath` calls it as it is imported.
+    linalg: Any = import_module("numba.np.linalg")
+    import_it = linalg.ensure_blas
+    linalg.ensure_blas = lambda: None
     try:
-        return method(dispatcher, plain, keywords)
-    except TypingError:
-        return method(dispatcher, arguments, keywords)
+        arraymath: Any = import_module("numba.np.arraymath")
+        arraymath.ensure_blas = import_it
+    finally:
+        linalg.ensure_blas = import_it
 
 
 def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
@@ -383,7 +363,8 @@ def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
         If it returns something.
     """
     signature = tuple(map(typeof, arguments))
-    dispatcher.compile(signature)
+    with untold_of_locks():
+        dispatcher.compile(signature)
     compiled = dispatcher.overloads[signature]
     described = compiled.fndesc
     if described.restype != types.none:

@@ -58,6 +58,8 @@ class Unlinked(NamedTuple):
     calls : tuple of Call
     linked : tuple of int
         The calls whose functions it is linked with, in this order.
+    is_root : bool
+        As of `OptimisedLibrary`.
     """
 
     descriptor: Any
@@ -65,6 +67,7 @@ class Unlinked(NamedTuple):
     bitcode: bytes
     calls: tuple[Call, ...]
     linked: tuple[int, ...]
+    is_root: bool
 
 
 def unlinked(compiled: Any, function: FunctionType, digest: str) -> Unlinked | None:
@@ -102,7 +105,9 @@ def unlinked(compiled: Any, function: FunctionType, digest: str) -> Unlinked | N
     if not all(used in libraries for used in library.linked):
         return None  # with one of Numba's own functions
     linked = tuple(libraries.index(used) for used in library.linked)
-    return Unlinked(bare_descriptor(compiled), digest, library.alone, tuple(calls), linked)
+    return Unlinked(
+        bare_descriptor(compiled), digest, library.alone, tuple(calls), linked, library.is_root
+    )
 
 
 def link(found: Unlinked, function: FunctionType, digest: str, target_context: Any) -> Any:
@@ -144,6 +149,7 @@ def link(found: Unlinked, function: FunctionType, digest: str, target_context: A
     module = llvm.parse_bitcode(found.bitcode)
     _rename(module, lambda name: symbols.get(name) or name.replace(found.digest, digest))
     library = OptimisedLibrary(target_context.codegen(), descriptor.qualname)
+    library.is_root = found.is_root
     library.take_in(module)
     for at in found.linked:
         library.add_linking_library(libraries[at])

@@ -32,7 +32,7 @@ from lanewise.simd import (
 
 @kernel(strict=True)
 def trace_interleaved(search, packet, bits, others):
-    """Take the rays in `bits` to their ends, starting with the subtrees that wait for them; see `trace_packet`."""
+    """Take the rays in `bits` to their ends, first through what waits for them (`trace_packet`)."""
     hits, stacks, tests = packet.hits, packet.stacks, packet.tests
     sizes, codes = local_uints(MOST), local_uints(MOST)
     bottom = load_lanes(packet.bases, 0)

@@ -13,8 +13,8 @@ For a rough coat the part T(mu) that enters at the cosine mu, and
 .. math:: R = \frac{2}{64} \sum_{k=0}^{63} \mu_k R(\mu_k),
 
 reflected on the inner side, are integrals over its facets (`alight.bsdfs.visible_facets`). The sum
-over 64 equally spaced cosines is what Mitsuba's ``roughplastic`` computes in place of the integral over mu,
-found by experiment; it is 1 to 2 % smaller. Tables of T have 64 of them too, and are
+over 64 equally spaced cosines is what Mitsuba's ``roughplastic`` computes in place of the integral
+over mu, found by experiment; it is 1 to 2 % smaller. Tables of T have 64 of them too, and are
 interpolated linearly.
 
 Source: the plug-ins ``plastic`` and ``roughplastic`` of Mitsuba 3.

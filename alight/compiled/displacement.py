@@ -42,7 +42,8 @@ from alight.textures.fetch import texture_value
 from lanewise.jit import instantiate
 from lanewise.view import View
 
-#: Triangles of one displaced mesh at most: some 2 GB while its tree is built.
+#: Triangles that one mesh is cut into at most: some 2 GB while its tree is built. A mesh whose
+#: edges are short enough may have more.
 MOST_TRIANGLES = 1 << 22
 
 #: Where a mesh does not say how long edges may be: this share of its box's diagonal.

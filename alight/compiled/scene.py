@@ -18,6 +18,7 @@ from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
+from alight.compiled.suspicious_bodies import suspicious_bodies
 from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
@@ -200,7 +201,11 @@ def compile_scene(
         stats=stats | ({"displaced": told(given, flat)} if given is not flat else {}),
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
-        warnings=(*flat.warnings, *_darkness(flat, lights.is_dark and EMISSIVE not in media)),
+        warnings=(
+            *flat.warnings,
+            *suspicious_bodies(given),
+            *_darkness(flat, lights.is_dark and EMISSIVE not in media),
+        ),
     )
 
 

@@ -97,6 +97,8 @@ class Surface:
         the mesh's own, by which normals are bent.
     place : str
         Where the file defines it.
+    inside : dict or None
+        Description in the place of `core` on closed shapes, which light enters to be scattered.
     """
 
     core: Data
@@ -106,12 +108,20 @@ class Surface:
     is_unlit: bool = False
     sets: tuple[Any, ...] = ()
     place: str = ""
+    inside: Data | None = None
+
+    def on(self, closed: bool) -> Surface:
+        """What it is on a shape that is closed, or on one that is not."""
+        if self.inside is None:
+            return self
+        return replace(self, core=self.inside if closed else self.core, inside=None)
 
     @property
     def bsdf(self) -> Data:
         """Description of the native format."""
         bsdf = self.core if self.bent is None else {**self.bent, "bsdf": self.core}
-        if not self.is_unlit and "transmission" not in self.core:
+        has_sides = "transmission" in self.core or "radius" in self.core
+        if not self.is_unlit and not has_sides:
             bsdf = two_sided(bsdf)
         if self.opacity != 1.0:
             bsdf = {"type": "mask", "opacity": self.opacity, "bsdf": bsdf}

@@ -42,7 +42,8 @@ class IntegratorModel(Record):
         ``step(scene, settings, path) -> path``: one more vertex of every path.
     stages : (program) -> (kernel, kernel)
         The two halves of a step, between which paths may wait: ``trace(scene, settings, path) ->
-        (path, hit)`` and ``shade(scene, settings, path, hit) -> path``.
+        (path, hit)`` and ``shade(scene, settings, path, hit) -> (path, walk)``, where `walk` is
+        what `alight.integrators.body_walk.begin_walks` gives.
     empty_paths, start_paths : kernel
         Of integrators that keep more than a `PathState`; see `alight.integrators.walk`.
     begin : (program) -> kernel

@@ -55,7 +55,7 @@ from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import enters_body, lit_side, walk_inside
+from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -141,7 +141,8 @@ def step(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record=N
     def path_step(scene, settings, path):
         """One more vertex of each path."""
         path, hit = trace(scene, settings, path)
-        return shade(scene, settings, path, hit)
+        path, walk = shade(scene, settings, path, hit)
+        return walk_through(scene, path, walk)
 
     return path_step
 
@@ -169,8 +170,9 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
     trace : kernel (scene, settings, path) -> (path, hit)
         Traces rays to the next surface; adds the environment for those that hit none and ends
         their paths.
-    shade : kernel (scene, settings, path, hit) -> path
-        Adds the light found at the surface, and samples where the path continues.
+    shade : kernel (scene, settings, path, hit) -> (path, walk)
+        Adds the light found at the surface, and samples where the path continues; `walk` says which
+        have entered bodies (`alight.integrators.body_walk`).
     """
     strategy = strategy or program.option("light_sampling")
     if roulette is None:
@@ -271,14 +273,14 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
-        vertex, rays = walk_inside(scene, vertex, surface, active)
         if holes:
             # Straight on, as if nothing were there: the vertex before still looks for light.
             vertex = where((flags & NULL) != 0, on, vertex)
         if hides:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
             vertex = where(hidden, replace(path, o=beyond), vertex)
-        return replace(vertex, sampler=path.sampler, rays=rays)
+        vertex = replace(vertex, sampler=path.sampler, rays=path.rays)
+        return vertex, begin_walks(scene, vertex, surface, active)
 
     return shade
 

@@ -1,9 +1,14 @@
-"""Paths waiting for their next step until they fill a packet."""
+"""Paths waiting for their next step until they fill a packet.
+
+With each path waits what else its next step needs: nothing (`NO_HIT`), what its ray has hit, or its
+walk through a body.
+"""
 
 from __future__ import annotations
 
 from alight.bsdfs.switch import absorbs
 from alight.core.vec import Vec3
+from alight.integrators.body_walk import no_walks
 from alight.integrators.guided import is_guided
 from alight.integrators.model import model_of
 from alight.integrators.walk import count_lanes, empty_paths
@@ -14,6 +19,8 @@ from lanewise.simd import as_int, lane_index, lanes_u32, lanes_vec3, packing
 #: Paths that a queue holds: two packets, so that one can be read or written from any place in the
 #: first.
 ROOM = 32
+#: The same of walks, which may fill three before their turn comes.
+WALKS = 64
 
 #: What waits with a path whose ray has not been traced yet.
 NO_HIT = ()
@@ -78,3 +85,24 @@ def take(settings, queue, at, count, hit):
     """The paths from number `at` on, and what they hit; `hit` says what was put there."""
     path, found = records_at(queue, ROOM, at, (kept(empty_paths()), hit))
     return restored(settings, path, count), found
+
+
+@kernel
+def no_walks_wait():
+    """Room for walks."""
+    return local_records(WALKS, (kept(empty_paths()), no_walks()))
+
+
+@kernel
+def put_walks(walks, at, path, walk):
+    """Append the walks that are going, with their paths; as `put`."""
+    put_records(walks, WALKS, at, packing(walk.going), (kept(path), walk))
+    return at + count_lanes(walk.going)
+
+
+@kernel
+def take_walks(settings, walks, at, count):
+    """The paths from number `at` on, and their walks."""
+    path, walk = records_at(walks, WALKS, at, (kept(empty_paths()), no_walks()))
+    path = restored(settings, path, count)
+    return path, replace(walk, going=path.active)

@@ -23,7 +23,7 @@ from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import enters_body, lit_side, walk_inside
+from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
 from alight.integrators.collisions import (
     Turn,
     evaluate_anywhere,
@@ -221,10 +221,11 @@ def step(program):
                 vertex = play_beside_guide(settings, vertex, dimension, brightness, here.gain)
             else:
                 vertex = play_roulette(settings, vertex, dimension, brightness)
-        vertex, rays = walk_inside(scene, vertex, surface, met)
+        walk = begin_walks(scene, vertex, surface, met)
+        vertex = walk_through(scene, vertex, walk)
         going = vertex.active | passing
         path = where(passing, on, vertex)
-        return replace(path, sampler=on.sampler, active=going, rays=rays)
+        return replace(path, sampler=on.sampler, active=going, rays=vertex.rays)
 
     return volpath_step
 

@@ -225,7 +225,7 @@ def _in_time(program, own):
 
 @specialised
 def shade(program):
-    """The second half, ``shade(scene, settings, path, hit) -> path``."""
+    """The second half, ``shade(scene, settings, path, hit) -> (path, walk)``."""
     own = _stages(program)[1]
     if not program.motion:
         return own

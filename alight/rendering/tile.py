@@ -27,6 +27,7 @@ from alight.integrators.aov import (
 from alight.integrators.coverage import ROW_BITS, WeightTable
 from alight.integrators.walk import Settings
 from alight.rendering.both_ends_tile import splatting_tile_kernel
+from alight.rendering.staged_tile import render_tile_kernel
 from alight.rendering.tile_kernel import (
     INVALID,
     RAYS,
@@ -35,7 +36,6 @@ from alight.rendering.tile_kernel import (
     render_coverage,
     render_layers,
     render_step_by_step,
-    render_tile_kernel,
 )
 from lanewise.jit import StockKernel, instantiate
 from lanewise.machine_code import MachineCode

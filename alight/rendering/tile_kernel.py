@@ -4,7 +4,8 @@ A packet's samples take their first step together. Where some paths end, the oth
 from which the next packet is taken as soon as they fill one; so packets stay full although paths
 differ in length, and hold paths of the same pixel and depth, whose rays go the same way (the
 regeneration and compaction of paths of Wald 2011, Active thread compaction for GPU path tracing).
-Where a step has two halves, they wait a second time in the middle of it.
+Where a step has two halves, they wait a second time in the middle of it
+(`alight.rendering.staged_tile`).
 """
 
 from __future__ import annotations
@@ -27,15 +28,11 @@ from alight.integrators.walk import (
     begin_paths,
     count_lanes,
     empty_paths,
-    is_staged,
     no_paths,
-    shade,
     start_paths,
     step,
-    trace,
 )
 from alight.samplers.sampling import get_2d, sampler_state
-from alight.shapes.hit import no_hit
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     LANES,
@@ -231,18 +228,12 @@ def finish(program):
     return finish
 
 
-@specialised
-def render_tile_kernel(program):
-    """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
-
-    ``render_tile_kernel(scene, settings, tile, ranges, film)``
-    """
-    return render_in_stages if is_staged(program) else render_step_by_step
-
-
 @kernel
 def render_step_by_step(scene, settings, tile, ranges, film):
-    """`render_tile_kernel` where a step is one piece."""
+    """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
+
+    Where a step is one piece.
+    """
     path = empty_paths()
     queue = empty_queue(NO_HIT)
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
@@ -265,58 +256,6 @@ def render_step_by_step(scene, settings, tile, ranges, film):
         before = path.active
         path = step(scene, settings, path)
         finish(settings, tile, film, path, before)
-    film.tally[RAYS] += rays
-
-
-@kernel
-def render_in_stages(scene, settings, tile, ranges, film):
-    """`render_tile_kernel` where paths wait a second time, for others whose rays met a surface.
-
-    Many rays of an open scene meet none. The packets that meet one are full again, and so are
-    those of shadow rays.
-    """
-    path, hit = empty_paths(), no_hit()
-    queue, met = empty_queue(NO_HIT), empty_queue(hit)
-    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
-    _, cells = count_cells(tile)
-    waiting, held, rays = 0, 0, 0
-    while True:
-        rest = False
-        if mask_bits(~path.active) != 0:
-            rays += path.rays
-            waiting = put(queue, waiting, path, NO_HIT)
-            if waiting >= LANES:
-                waiting -= LANES
-                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
-            elif cursor.cell < cells:
-                cursor, path = start(scene, settings, tile, ranges, cursor)
-            elif held > 0:
-                rest = True
-            elif waiting > 0:
-                path, _ = take(settings, queue, 0, waiting, NO_HIT)
-                waiting = 0
-            else:
-                break
-        count = 0
-        if rest:
-            path, hit = take(settings, met, 0, held, hit)
-            count, held = held, 0
-        else:
-            before = path.active
-            path, hit = trace(scene, settings, path)
-            finish(settings, tile, film, path, before)
-            count = LANES
-            if mask_bits(~path.active) != 0:
-                rays += path.rays
-                held = put(met, held, path, hit)
-                count = 0
-                if held >= LANES:
-                    held, count = held - LANES, LANES
-                path, hit = take(settings, met, held, count, hit)
-        if count > 0:
-            before = path.active
-            path = shade(scene, settings, path, hit)
-            finish(settings, tile, film, path, before)
     film.tally[RAYS] += rays
 
 

@@ -24,6 +24,9 @@ from alight.textures.nesting import reads_uv
 
 FORMATS = {".ply": ply.read, ".obj": obj.read, ".stl": stl.read}
 
+#: Keys that say how a mesh is displaced.
+ONLY_DISPLACED = ("displacement_scale", "displacement_midlevel", "displacement_edge")
+
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
@@ -223,12 +226,19 @@ def displacement_problem(
 ) -> str | None:
     """Say why a mesh cannot be displaced; None if it can, or shall not be."""
     value = mesh.displacement
+    if value is None:
+        idle = [name for name, value in mesh if name in ONLY_DISPLACED and value != _default(name)]
+        return f"is missing: without it, {idle[0]} does nothing" if idle else None
     texture = textures.get(value) if isinstance(value, str) else value
     if isinstance(texture, Texture) and found.uvs is None and reads_uv(texture, textures):
         name = texture.type_name()
         article = "an" if name[0] in "aeiou" else "a"
         return f"{article} {name} needs texture coordinates, and the mesh has no uvs"
     return None
+
+
+def _default(name: str) -> float | None:
+    return TriangleShape.model_fields[name].default
 
 
 def surface_area(geometry: Geometry, to_world: NDArray[np.float64]) -> float:

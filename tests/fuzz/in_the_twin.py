@@ -35,7 +35,7 @@ MOST_EDGES = 8
 MOST_PRIMITIVES = 100
 MOST_BYTES = 2 << 30
 #: Texts that are names of files.
-MODELS = (".gltf", ".glb", ".obj", ".usda")
+MODELS = (".gltf", ".glb", ".obj", ".usda", ".mtlx")
 
 
 class Outcome(NamedTuple):

@@ -13,6 +13,7 @@ from tests.fuzz.extremes import extremes
 from tests.fuzz.feature_files import features
 from tests.fuzz.feature_files import write_files as write_features
 from tests.fuzz.in_the_twin import Outcome, serve
+from tests.fuzz.materialx_files import copy_picture, materialx_files
 from tests.fuzz.mesh_files import meshes
 from tests.fuzz.mitsuba_files import copy_files, mitsuba_files
 from tests.fuzz.model_files import copy_models, models
@@ -123,6 +124,17 @@ def test_mutated_files_of_openusd_render_or_are_refused(tmp_path):
     pytest.importorskip("pxr")
     copy_pictures(tmp_path)
     check(usd_files(seed=3, n=60), tmp_path)
+
+
+def test_mutated_documents_of_materialx_render_or_are_refused(tmp_path):
+    copy_picture(tmp_path)
+    check(materialx_files(seed=3, n=40), tmp_path)
+
+
+@pytest.mark.proofs
+def test_six_hundred_mutated_documents_of_materialx_render_or_are_refused(tmp_path):
+    copy_picture(tmp_path)
+    check(materialx_files(seed=4, n=600), tmp_path)
 
 
 @pytest.mark.proofs

@@ -3,11 +3,12 @@
 import ast
 import inspect
 
+import llvmlite.binding as llvm
 import numba.core.base
 import numba.core.codegen
 import pytest
 
-from lanewise import canary, numba_adapter
+from lanewise import canary, dispatchers, numba_adapter, remembered_answers
 from tests.static.sources import COMPILER, place, tree
 
 ADAPTER = COMPILER / "numba_adapter.py"
@@ -80,8 +81,9 @@ def test_every_private_name_says_what_is_assumed():
 def test_every_part_of_the_adapter_can_be_tried():
     parts = {
         name
-        for name, part in vars(numba_adapter).items()
-        if getattr(part, "__module__", "") == numba_adapter.__name__
+        for module in (numba_adapter, dispatchers, remembered_answers)
+        for name, part in vars(module).items()
+        if getattr(part, "__module__", "") == module.__name__
         and (inspect.isclass(part) or inspect.isfunction(part))
     }
     assert parts == set(canary.CHECKS) - {"instructions"}
@@ -114,3 +116,12 @@ def test_a_step_that_does_nothing_is_told(monkeypatch):
     monkeypatch.setattr(numba_adapter.Float32Constants, "run_pass", lambda self, state: False)
     with pytest.raises(AssertionError, match="float64"):
         canary.CHECKS["Float32Constants"]()
+
+
+def test_numba_is_told_of_locks_again_when_a_kernel_fails():
+    told = llvm.ffi.lib._lock._cblist
+    assert told, "nobody was told in the first place"
+    with pytest.raises(ZeroDivisionError), numba_adapter.untold_of_locks():
+        assert not llvm.ffi.lib._lock._cblist
+        raise ZeroDivisionError
+    assert llvm.ffi.lib._lock._cblist is told

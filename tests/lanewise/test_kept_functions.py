@@ -9,7 +9,7 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-from lanewise import jit, numba_adapter
+from lanewise import jit, machine, numba_adapter
 from lanewise.application import variable
 from lanewise.jit import instantiate, kernel, specialised
 from lanewise.machine import functions_folder, lanes_of_machine
@@ -106,6 +106,22 @@ def test_found_or_compiled_it_is_the_same_machine_code(folder, tmp_path, monkeyp
         monkeypatch.setattr(jit, "_SHARED", {})
         assert code_of(3.0) == compiled_alone
     assert code_of(2.0) != compiled_alone
+
+
+def test_a_root_alone_is_optimised_as_a_whole(folder, monkeypatch):
+    """The time of doing so for each function grows with the depth of calls, for no other code."""
+    names = []
+    optimise = numba_adapter.JITCodeLibrary._optimize_final_module
+
+    def look(self):
+        names.append(self.name)
+        return optimise(self)
+
+    monkeypatch.setattr(numba_adapter.JITCodeLibrary, "_optimize_final_module", look)
+    for program in (2.0, 3.0):  # compiled, and linked with another callee
+        monkeypatch.setattr(jit, "_SHARED", {})
+        code_of(program)
+    assert names == ["root", "root"]
 
 
 def test_what_is_found_computes_what_the_text_says(folder, monkeypatch):
@@ -290,6 +306,32 @@ def test_circumstances_closures_defaults_and_code_are_in_its_digest():
     ]  # fmt: skip
     assert None not in digests and len(set(digests)) == len(digests)
     assert digest(text_of(1.0)) == digests[0]
+
+
+OTHERWISE = {
+    "Numba": ("importlib.metadata.version", lambda name: f"another {name}"),
+    "Python": ("platform.python_version", lambda: "4.0"),
+    "platform": ("llvmlite.binding.get_process_triple", lambda: "z80-unknown-cpm"),
+    "processor": ("llvmlite.binding.get_host_cpu_name", lambda: "z80"),
+    "features": ("llvmlite.binding.get_host_cpu_features", llvm.FeatureMap),
+    "lanes": ("lanewise.machine._native_lanes", lambda: 4),
+    "sources": ("lanewise.machine._digest_of_sources", lambda packages: "others"),
+    "target": ("lanewise.machine._target", "portable"),
+}
+
+
+@pytest.mark.parametrize("what", OTHERWISE)
+def test_functions_are_kept_for_one_compiler_and_one_kind_of_code(what, monkeypatch):
+    def folder_now():
+        machine._describe_compiler.cache_clear()
+        machine._compiler_name.cache_clear()
+        return functions_folder()
+
+    own = folder_now()
+    monkeypatch.setattr(*OTHERWISE[what])
+    other = folder_now()
+    monkeypatch.undo()
+    assert folder_now() == own != other
 
 
 def test_texts_of_which_no_digest_can_be_made_are_not_kept(folder):

@@ -10,19 +10,19 @@ BODIES = (
     Mutant(
         "walks weighted as if all of them were led back",
         "integrators/body_walk.py",
-        (("LED * mean(walk.led) + (1.0 - LED) * mean(walk.plain)", "mean(walk.led)"),),
+        (("LED * led + (1.0 - LED) * _exponentials(plain)", "led"),),
         HALF_SPACE,
     ),
     Mutant(
         "walks that scatter without their channel's extinction",
         "integrators/body_walk.py",
-        (("where(left, plain, plain * body.extinction)", "plain"),),
+        (("plain = n * body.rarity - walk.length * thinner", "plain = -walk.length * thinner"),),
         MEDIUM,
     ),
     Mutant(
         "walks that absorb once too often",
         "integrators/body_walk.py",
-        (("Walk(path.o, path.d, one, one, one)", "Walk(path.o, path.d, one, one, body.albedo)"),),
+        (("plain + n * body.albedo", "plain + (n + 1.0) * body.albedo"),),
         HALF_SPACE,
     ),
     Mutant(
@@ -30,6 +30,30 @@ BODIES = (
         "integrators/body_walk.py",
         (("maximum(hit.t - margin, 0.0)", "hit.t"),),
         f"{TESTS}::test_the_smallest_radii_leave_the_colour_as_it_is",
+    ),
+    Mutant(
+        "led walks whose last direction had the density of the others",
+        "integrators/body_walk.py",
+        (("(body.nu.z - walk.first) / (body.nu.z - z)", "body.nu.z / (body.nu.z - z)"),),
+        HALF_SPACE,
+    ),
+    Mutant(
+        "channels that are all followed alike, and weighted as if they were not",
+        "integrators/body_walk.py",
+        (("below, above = share.x, share.x + share.y", "below, above = 0.333, 0.667"),),
+        MEDIUM,
+    ),
+    Mutant(
+        "the last walk of a tile is forgotten",
+        "rendering/staged_tile.py",
+        (("elif inside > 0:", "elif inside > 1:"),),
+        "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
+    ),
+    Mutant(
+        "walks that wait, and whose paths go on outside",
+        "rendering/staged_tile.py",
+        (("active=path.active & ~walk.going)\n    film", "active=path.active)\n    film"),),
+        "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
     ),
     Mutant(
         "shadow rays that go straight through bodies",
@@ -48,7 +72,7 @@ BODIES = (
         "integrators/body_walk.py",
         (
             (
-                "longer = survival * (1.0 - LONG_POWER / maximum(to_float(step), 2.0))",
+                "longer = survival * (1.0 - LONG_POWER / maximum(to_float(walk.step), 2.0))",
                 "longer = 0.0",
             ),
         ),

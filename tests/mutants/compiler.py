@@ -32,7 +32,7 @@ COMPILER = (
     ),
     Mutant(
         "a kernel for every constant",
-        "numba_adapter.py",
+        "dispatchers.py",
         (("if keywords or plain == list(arguments):", "if True:"),),
         "tests/lanewise/test_compiler.py"
         "::test_a_kernel_is_compiled_once_for_all_numbers_unless_it_must_know_them",
@@ -62,6 +62,27 @@ COMPILER = (
         "lanewise",
     ),
     Mutant(
+        "functions kept for packets of any width",
+        "machine.py",
+        (('        "lanes": str(_native_lanes()),\n', ""),),
+        f"{KEPT}::test_functions_are_kept_for_one_compiler_and_one_kind_of_code[lanes]",
+        "lanewise",
+    ),
+    Mutant(
+        "functions kept for processors of any features",
+        "machine.py",
+        (('        "features of the processor": llvm.get_host_cpu_features().flatten(),\n', ""),),
+        f"{KEPT}::test_functions_are_kept_for_one_compiler_and_one_kind_of_code[features]",
+        "lanewise",
+    ),
+    Mutant(
+        "functions kept for any target",
+        "machine.py",
+        (("_compiler_name(_target)", "_compiler_name(NATIVE)"),),
+        f"{KEPT}::test_functions_are_kept_for_one_compiler_and_one_kind_of_code[target]",
+        "lanewise",
+    ),
+    Mutant(
         "functions kept without the values that they name",
         "source_digest.py",
         (("        self.globals(function)\n        for cell", "        for cell"),),
@@ -80,6 +101,20 @@ COMPILER = (
         "unlinked.py",
         (("!= (call.accepted, call.result)", "!= (answer.args, answer.return_type)"),),
         f"{FITTING}[another-type]",
+        "lanewise",
+    ),
+    Mutant(
+        "a root linked as if it were inlined somewhere",
+        "unlinked.py",
+        (("library.is_root = found.is_root", "library.is_root = False"),),
+        f"{KEPT}::test_found_or_compiled_it_is_the_same_machine_code",
+        "lanewise",
+    ),
+    Mutant(
+        "what is inlined optimised at each step on the way",
+        "numba_adapter.py",
+        (("if self.is_root:", "if True:"),),
+        f"{KEPT}::test_a_root_alone_is_optimised_as_a_whole",
         "lanewise",
     ),
     Mutant(

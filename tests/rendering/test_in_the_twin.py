@@ -175,6 +175,16 @@ def test_no_sample_is_left_waiting(integrator, queues, spp):
     assert film.counts.sum() == spp
 
 
+@pytest.mark.parametrize("spp", [1, 33])
+def test_no_sample_is_left_in_a_body(spp):
+    """Light is not absorbed in it: all of it comes back, with nothing but the sky to meet."""
+    ball = "shape: sphere, bsdf: {type: subsurface, color: 1, radius: 1, ior: 1}"
+    text = f"film: {{size: [8, 8]}}\nnodes:\n  ball: {{{ball}}}\n"
+    film = twin(compiled(CAMERA + text + "environment: {type: constant}"), spp, Tile(3, 3, 4, 4))
+    assert film.counts.sum() == spp
+    assert (film.sums != 0).any()
+
+
 @pytest.mark.parametrize(
     "light",
     [

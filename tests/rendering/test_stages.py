@@ -8,13 +8,9 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.integrators.walk import make_settings
+from alight.rendering.staged_tile import render_bodies, render_in_stages
 from alight.rendering.tile import TileFilm
-from alight.rendering.tile_kernel import (
-    RAYS,
-    Tile,
-    render_in_stages,
-    render_step_by_step,
-)
+from alight.rendering.tile_kernel import RAYS, Tile, render_step_by_step
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.view import View
@@ -33,6 +29,9 @@ nodes:
     bsdf: {type: mirror, reflectance: 0.9}
     transform: [{scale: 2}, {rotate: {axis: x, angle: -70}}, {translate: [0, -1, 0]}]
 """
+BODY = SCENE.replace(
+    "{type: diffuse, reflectance: 0.8}", "{type: subsurface, radius: [0.4, 0.2, 0.1]}"
+)
 
 
 def sums_of(root, scene, spp):
@@ -46,10 +45,14 @@ def sums_of(root, scene, spp):
     return film
 
 
-@pytest.mark.parametrize("spp", [1, 7])
-def test_stages_give_the_bits_of_whole_steps(spp):
-    scene = compile_scene(flatten(loads(SCENE, "scene.yaml")), structure="list")
-    staged, whole = (sums_of(root, scene, spp) for root in (render_in_stages, render_step_by_step))
+@pytest.mark.parametrize(
+    ("text", "stages", "spp"),
+    [(SCENE, render_in_stages, 1), (SCENE, render_in_stages, 7), (BODY, render_bodies, 2)],
+    ids=["1", "7", "bodies"],
+)
+def test_stages_give_the_bits_of_whole_steps(text, stages, spp):
+    scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list")
+    staged, whole = (sums_of(root, scene, spp) for root in (stages, render_step_by_step))
     assert staged.counts.array.sum() == 64 * spp
     assert staged.tally.array[RAYS] == whole.tally.array[RAYS] > 0
     for a, b in zip(staged, whole, strict=True):

@@ -87,6 +87,11 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
             {"clearcoatTexture": "info", "clearcoatRoughnessTexture": "info",
              "clearcoatNormalTexture": "normal"},
         ),
+        (
+            "diffuse_transmission",
+            "diffuseTransmissionFactor diffuseTransmissionColorFactor",
+            {"diffuseTransmissionTexture": "info", "diffuseTransmissionColorTexture": "info"},
+        ),
         ("emissive_strength", "emissiveStrength", {}),
         ("ior", "ior", {}),
         (
@@ -117,6 +122,7 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
             "attenuationColor attenuationDistance thicknessFactor",
             {"thicknessTexture": "info"},
         ),
+        ("volume_scatter", "multiscatterColor scatterAnisotropy", {}),
     )
 }  # fmt: skip
 #: Refused or told of where they stand.

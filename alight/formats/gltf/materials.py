@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from alight.core.uv_sets import MOST_SETS
+from alight.formats.gltf.bodies import SCATTERING, body_of
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.textures import Data, Textures
 from alight.formats.gltf.values import Item
@@ -37,10 +38,11 @@ from alight.formats.textures import (
 ALPHA_MODES = ("OPAQUE", "MASK", "BLEND")
 #: Extensions of materials that are read.
 COVERED = (
-    "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior", "KHR_materials_iridescence", "KHR_materials_sheen",
-    "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_volume", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
+    "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
+    "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume", "KHR_materials_volume_scatter", "KHR_materials_pbrSpecularGlossiness",
 )  # fmt: skip
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 _BASE = ("baseColorFactor", "baseColorTexture")
@@ -106,7 +108,7 @@ class Materials:
         if channels:
             base = by_vertices(base)
         unlit = item.extension("KHR_materials_unlit") is not None
-        bent = None
+        bent, inside = None, None
         if unlit:
             self.document.report.approximate(
                 "KHR_materials_unlit: such surfaces shine with their colour, and light others"
@@ -118,6 +120,8 @@ class Materials:
             self._extend(item, core)
             bent = self._bent(item)
         alpha = self._opacity(item, opacity, picture)
+        if not unlit:
+            inside = body_of(item, core, alpha)
         emission = base if unlit else self._emission(item)
         if emission is not None:
             # What is cut out of a surface does not shine either.
@@ -126,7 +130,7 @@ class Materials:
                 self.document.report.approximate(
                     "doubleSided: what shines does so on its outer side only"
                 )
-        return Surface(core, bent, alpha, emission, unlit, self.textures.sets)
+        return Surface(core, bent, alpha, emission, unlit, self.textures.sets, inside=inside)
 
     def _metal(self, pbr: Item) -> Data:
         picture = self.textures.bitmap(pbr, "metallicRoughnessTexture", is_color=False)
@@ -319,7 +323,8 @@ class _Extensions:
             self.bsdf["attenuation_distance"] = volume.number("attenuationDistance", 1.0, 1e-9)
 
     def _say_no_part(self) -> None:
-        if self.item.extension("KHR_materials_volume") is not None:
+        scatters = self.item.extension(SCATTERING) is not None
+        if self.item.extension("KHR_materials_volume") is not None and not scatters:
             text = "KHR_materials_volume: plays no part without transmission"
             self.item.report.drop(text)
 

@@ -31,6 +31,7 @@ from alight.formats.names import free_name
 from alight.formats.skins import Matrices
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import SIZE
+from alight.meshes.volume import is_closed
 from alight.scene.transform import Matrix, is_singular
 
 #: Nodes this deep carry all that is below them; the native format ends at 24.
@@ -282,16 +283,20 @@ class Graph(ModelScene):
             if shape is None:
                 continue
             self._surfaces[id(shape)] = material
+            closed = material.inside is not None and is_closed(shape)
+            if material.inside is not None and not closed:
+                text = f"{primitive.pointer}: is open, so no light is scattered below its surface"
+                self.report.approximate(text)
             parts[f"primitive {number}"] = {
                 "shape": shape,
-                "bsdf": self._bsdf(index, channels),
+                "bsdf": self._bsdf(index, channels, closed),
                 **material.light,
             }
         return parts
 
-    def _bsdf(self, index: int | None, channels: int) -> str:
+    def _bsdf(self, index: int | None, channels: int, closed: bool) -> str:
         """The name of a material, which is entered at its first use."""
-        key, surface = (index, channels), self.materials.get(index, channels)
+        key, surface = (index, channels, closed), self.materials.get(index, channels).on(closed)
         if index is None or self.has_named(key):
             return self.name_of(key, surface, "default material")
         self.report.count("materials")

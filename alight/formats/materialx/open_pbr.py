@@ -6,6 +6,7 @@ graph of MaterialX's library, whose defaults these are.
 
 from __future__ import annotations
 
+from alight.formats.materialx.bodies import Below, body_of
 from alight.formats.materialx.shading import Data, Shading, is_one, is_zero
 from alight.formats.materialx.values import Plain, Value, affine
 from alight.formats.surfaces import Surface
@@ -36,7 +37,6 @@ def read(s: Shading) -> Surface:
     matte = s.product(get["base_weight"], get["base_color"])
     if not is_zero(get["subsurface_weight"]):
         matte = s.mixed(matte, get["subsurface_color"], get["subsurface_weight"])
-        s.say("subsurface: no light wanders below the surface; its colour is diffuse")
     if is_one(get["base_metalness"]):
         # Of a metal it scales what is reflected; `principled` has no such weight there.
         matte = s.product(matte, get["specular_weight"])
@@ -70,7 +70,16 @@ def read(s: Shading) -> Surface:
     # Below the coat; fuzz lies above it.
     shine = s.product(get["emission_color"], tint)
     emission = s.emission("emission_color", shine, get["emission_luminance"])
-    return s.finished(core, bent, opacity, emission)
+    below = Below(
+        get["subsurface_weight"], get["subsurface_color"], get["subsurface_radius"],
+        get["subsurface_radius_scale"], get["subsurface_scatter_anisotropy"],
+        get["specular_roughness"], get["specular_weight"], get["specular_color"],
+        s.ior("specular_ior"),
+        (get["base_metalness"], get["transmission_weight"], get["coat_weight"], fuzz,
+         get["thin_film_weight"]),
+    )  # fmt: skip
+    inside = body_of(s, below, opacity, thin)
+    return s.finished(core, bent, opacity, emission, inside)
 
 
 def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:

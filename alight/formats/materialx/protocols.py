@@ -22,6 +22,8 @@ class Host(Protocol):
     reach: Reach
     #: Colour space of pictures that name none.
     space: str
+    #: Length of the file's unit.
+    meters: float
     #: Name of the set of coordinates where a network gives none.
     coordinates: str
 

@@ -45,6 +45,7 @@ class DocumentHost:
     #: The specification converts nothing whose colour space is not said.
     space = ""
     coordinates = "UV0"
+    meters = 1.0
 
     def __init__(self, report: Report, reach: Reach) -> None:
         self.report, self.reach, self.files = report, reach, reach.files
@@ -101,7 +102,7 @@ def parse(
     model = ModelScene(report, reach, {"": name})
     columns = math.ceil(math.sqrt(len(materials)))
     for number, material in enumerate(materials):
-        surface = surface_of(material, host)
+        surface = surface_of(material, host).on(closed=True)
         key = model.name_of(number, surface, material.name, material.place)
         report.count("materials")
         # From left to right, then from front to back: what is behind shows between.

@@ -38,6 +38,11 @@ class Shading:
         """Sets of coordinates that its textures use."""
         return tuple(self.evaluator.sets)
 
+    @property
+    def meters(self) -> float:
+        """Length of the unit of the file."""
+        return self.evaluator.host.meters
+
     def say(self, text: str) -> None:
         """Remark on what is not quite what the shader says."""
         self.evaluator.say(self.node, text)
@@ -196,10 +201,15 @@ class Shading:
         return self.color("transmission color", color)
 
     def finished(
-        self, core: Data, bent: Data | None, opacity: Any = 1.0, emission: Any = None
+        self,
+        core: Data,
+        bent: Data | None,
+        opacity: Any = 1.0,
+        emission: Any = None,
+        inside: Data | None = None,
     ) -> Surface:
         """The surface of all that has been read."""
-        return Surface(core, bent, opacity, emission, sets=self.sets)
+        return Surface(core, bent, opacity, emission, sets=self.sets, inside=inside)
 
     # ---------------------------------------------------------------- normals
 

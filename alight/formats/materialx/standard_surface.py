@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from alight.formats.materialx.bodies import Below, body_of
 from alight.formats.materialx.shading import Data, Shading, is_one, is_zero
 from alight.formats.materialx.values import Plain, Value
 from alight.formats.surfaces import Surface
@@ -43,7 +44,6 @@ def read(s: Shading) -> Surface:
     matte = s.product(get["base"], get["base_color"])
     if not is_zero(get["subsurface"]):
         matte = s.mixed(matte, get["subsurface_color"], get["subsurface"])
-        s.say("subsurface: no light wanders below the surface; its colour is diffuse")
     core: Data = {
         "type": "principled",
         "base_color": s.color("base_color", s.product(matte, tint)),
@@ -72,7 +72,14 @@ def read(s: Shading) -> Surface:
     opacity = s.number("opacity", s.grey("opacity", get["opacity"]))
     shine = s.product(get["emission_color"], tint)
     emission = s.emission("emission_color", shine, get["emission"])
-    return s.finished(core, bent, opacity, emission)
+    below = Below(
+        get["subsurface"], get["subsurface_color"], get["subsurface_radius"],
+        get["subsurface_scale"], get["subsurface_anisotropy"], get["specular_roughness"],
+        get["specular"], get["specular_color"], s.ior("specular_IOR"),
+        (get["metalness"], get["transmission"], get["coat"], sheen, get["thin_film_thickness"]),
+    )  # fmt: skip
+    inside = body_of(s, below, opacity, s.flag("thin_walled"))
+    return s.finished(core, bent, opacity, emission, inside)
 
 
 def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:

@@ -20,10 +20,13 @@ from alight.formats.usd.lights import is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
 from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade, UsdSkel
+from alight.formats.usd.placing import is_inside, is_placement
+from alight.formats.usd.points import read_points
 from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
+from alight.meshes.volume import is_closed
 from alight.scene.meshes import mesh_of
 from alight.scene.steps import parse_transform
 from alight.scene.transform import is_singular
@@ -81,13 +84,7 @@ class Graph(ModelScene):
         eye = [] if self.view is None else [self.view[:3, 3]]
         box = corners(self.bounds.low, self.bounds.high)
         for path, to_world, radius in self._balls:
-            if is_singular(to_world):
-                continue
-            inside = [
-                (np.linalg.norm(_to_local(to_world, points), axis=1) < radius).all()
-                for points in (box, eye)
-                if len(points) and np.isfinite(points).all()
-            ]
+            inside = [is_inside(to_world, radius, points) for points in (box, eye)]
             if any(inside):
                 text = "it shines outwards only, as UsdLux has it: inside of it is no light"
                 self.stage.report.approximate(f"{path}: {text}; a DomeLight shines from all around")
@@ -148,7 +145,7 @@ class Graph(ModelScene):
     def _local(self, prim: Any, parent_to_world: Matrix) -> Matrix:
         xformable = UsdGeom.Xformable(prim)
         matrix = np.array(xformable.GetLocalTransformation(self.stage.time)).T
-        if not _is_placement(matrix):
+        if not is_placement(matrix):
             self.stage.problem(prim, f"its transform must be affine, of numbers {_SMALL}")
             return np.eye(4)
         if xformable.GetResetXformStack():
@@ -163,7 +160,7 @@ class Graph(ModelScene):
     def _own(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
         """What stands at a prim's place."""
         kind = str(prim.GetTypeName())
-        if prim.IsA(UsdGeom.Mesh):
+        if prim.IsA(UsdGeom.Mesh) or prim.IsA(UsdGeom.Points):
             return self._mesh(prim, to_world, path)
         if prim.IsA(UsdGeom.BasisCurves):
             return self._curves(prim, to_world)
@@ -198,8 +195,11 @@ class Graph(ModelScene):
     def _solid(self, prim: Any, found: tuple[Data, list[Data]], to_world: Matrix) -> Data:
         self.stage.report.count("solids")
         shape, steps = found
+        shape = shape.get("__mesh__", shape)
         bsdf, material = self._material_of(prim, prim)
-        data: Data = {"shape": shape.get("__mesh__", shape), "bsdf": bsdf}
+        if material.inside is not None:
+            bsdf, material = self._body(prim, shape, material)
+        data: Data = {"shape": shape, "bsdf": bsdf}
         placed = parse_transform(steps, lambda issue: None)
         self.bounds.add(data["shape"], to_world @ placed.matrix)
         if steps:
@@ -220,7 +220,8 @@ class Graph(ModelScene):
         return self._shining({"shape": shape, "bsdf": bsdf}, material, to_world)
 
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
-        self.stage.report.count("meshes")
+        scattered = prim.IsA(UsdGeom.Points)
+        self.stage.report.count("points" if scattered else "meshes")
         subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
         indices = [self.stage.value(subset.GetIndicesAttr(), []) for subset in subsets]
         bound = [subset.GetPrim() for subset in subsets]
@@ -229,7 +230,10 @@ class Graph(ModelScene):
             bound.append(prim)
         sets = {name for part in bound for name in self._sets_of(part, prim)}
         pose = self._poses.get(str(prim.GetPath()))
-        triangles = read_mesh(self.stage, prim, sorted(sets), pose)
+        if scattered:
+            triangles = read_points(self.stage, prim)
+        else:
+            triangles = read_mesh(self.stage, prim, sorted(sets), pose)
         if triangles is None:
             return None
         self.bounds.add(triangles.vertices, to_world)
@@ -262,7 +266,18 @@ class Graph(ModelScene):
             self.stage.problem(prim, error.issues[0].sentence)
             raise SceneError(self.stage.report.issues) from None
         name, material = self._material_of(bound, prim)
+        if material.inside is not None:
+            name, material = self._body(prim, mesh, material)
         return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
+
+    def _body(self, prim: Any, shape: Data | Mesh, material: Surface) -> tuple[str, Surface]:
+        """What a material is that scatters light inside, by whether the shape has an inside."""
+        closed = not isinstance(shape, Mesh) or is_closed(shape)
+        if not closed:
+            text = "an open mesh, so no light is scattered below its surface"
+            self.stage.report.approximate(f"{prim.GetPath()}: {text}")
+        material = material.on(closed)
+        return self._bsdf_name(("body", str(prim.GetPath())), material, None, prim), material
 
     def _say_what_is_lacking(self, prim: Any, bound: Any, triangles: Triangles) -> None:
         asked = self._material_of(bound, prim)[1].sets
@@ -358,7 +373,7 @@ class Graph(ModelScene):
             if name is None or (len(mask) and not mask[i]):
                 continue
             matrix = np.array(move).T
-            if not _is_placement(matrix):
+            if not is_placement(matrix):
                 self.stage.problem(
                     prim, f"the transform of instance {i} must hold numbers {_SMALL}"
                 )
@@ -382,14 +397,3 @@ class Graph(ModelScene):
         # The transform of the prototype's root is part of each instance's.
         own, children = self._own(prim, to_world, path), self._children(prim, to_world, path)
         return ({free_name("itself", children, "itself"): own} if own else {}) | children
-
-
-def _to_local(to_world: Matrix, points: Any) -> Matrix:
-    """World points (n, 3) as a prim has them."""
-    return np.linalg.solve(to_world[:3, :3], (np.asarray(points) - to_world[:3, 3]).T).T
-
-
-def _is_placement(matrix: Matrix) -> bool:
-    """Whether a matrix is affine, of numbers whose products can be formed; NaN is none."""
-    is_small = np.abs(matrix).max() <= LARGEST
-    return bool(is_small and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0]))

@@ -44,6 +44,7 @@ class StageHost(DocumentHost):
     def __init__(self, stage: Stage, prim: Any) -> None:
         super().__init__(stage.report, stage.reach)
         self.stage, self.prim = stage, prim
+        self.meters = float(UsdGeom.GetStageMetersPerUnit(stage.stage))
 
     def set_name(self, index: int) -> str:
         """Name of a set of coordinates by its number: st, st1, ..."""

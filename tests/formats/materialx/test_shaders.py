@@ -103,11 +103,51 @@ def test_glass_with_and_without_a_depth(tmp_path):
 
 def test_what_is_left_out_is_told(tmp_path):
     shader = value("subsurface", "float", "1") + value("subsurface_color", "color3", "1, 0, 0")
-    shader += value("diffuse_roughness", "float", "0.5") + value("basecolor", "color3", "1, 0, 0")
+    shader += (
+        value("coat", "float", "0.5")
+        + value("diffuse_roughness", "float", "0.5")
+        + value("basecolor", "color3", "1, 0, 0")
+    )
     found, said = principled(shader, tmp_path)
     assert found["base_color"] == [1.0, 0.0, 0.0]
     for words in ("subsurface", "diffuse_roughness is left out", 'did you mean "base_color"'):
         assert any(words in line for line in said), words
+
+
+def test_what_is_all_below_the_surface_is_a_body(tmp_path):
+    shader = "".join([
+        value("subsurface", "float", "1"), value("subsurface_color", "color3", "0.9, 0.5, 0.2"),
+        value("subsurface_radius", "color3", "1, 0.5, 0.25"),
+        value("subsurface_scale", "float", "0.1"), value("specular_roughness", "float", "0.4"),
+    ])  # fmt: skip
+    found, said = material(shader, tmp_path)
+    assert found == {
+        "type": "subsurface", "color": [0.9, 0.5, 0.2], "radius": pytest.approx([0.1, 0.05, 0.025]),
+        "ior": 1.5, "roughness": 0.4,
+    }  # fmt: skip
+    assert not any("subsurface" in line for line in said)
+    shader = "".join([
+        value("subsurface_weight", "float", "1"), value("specular_weight", "float", "0"),
+        value("subsurface_radius", "float", "0.2"), value("subsurface_color", "color3", "1, 1, 1"),
+    ])  # fmt: skip
+    found, _ = material(shader, tmp_path, category="open_pbr_surface")
+    assert found["radius"] == pytest.approx([0.2, 0.1, 0.05])
+    assert (found["ior"], found["color"]) == (1.0, [1.0] * 3)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        value("subsurface", "float", "0.5"), value("metalness", "float", "0.1"),
+        value("coat", "float", "1"), value("opacity", "color3", "0.5, 0.5, 0.5"),
+        value("thin_walled", "boolean", "true"),
+    ],
+)  # fmt: skip
+def test_what_is_more_than_a_body_is_diffuse(more, tmp_path):
+    shader = "" if "subsurface" in more else value("subsurface", "float", "1")
+    found, said = principled(shader + more, tmp_path)
+    assert found["type"] == "principled"
+    assert any("no light wanders below the surface" in line for line in said)
 
 
 @pytest.mark.parametrize(

@@ -188,3 +188,28 @@ def test_constant_primvars_are_lists_of_one_or_single_values(given, meant, folde
     mesh = MESH % ("/m", SQUARE + f'{given} (interpolation = "constant")')
     found, _, _ = bsdf_of(folder, network + mesh)
     assert found.base_color == pytest.approx(meant)
+
+
+BODY = """
+def Material "m" {
+    token outputs:mtlx:surface.connect = </m/s.outputs:out>
+    def Shader "s" {
+        uniform token info:id = "ND_standard_surface_surfaceshader"
+        float inputs:subsurface = 1
+        color3f inputs:subsurface_radius = (1, 0.5, 0.25)
+        token outputs:out
+    }
+}
+def Sphere "ball" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </m> }
+"""
+
+
+def test_light_is_scattered_inside_of_closed_shapes_only(tmp_path):
+    """The radius is in the unit of the stage."""
+    text = BODY + MESH % ("/m", SQUARE)
+    (tmp_path / "a.usda").write_text(stage_text(text, unit=0.01))
+    scene = load(tmp_path / "a.usda")
+    looks = {path: scene.bsdfs[node.bsdf] for path, _, node in scene.walk() if node.shape}
+    assert looks["world/ball"].radius == pytest.approx((0.01, 0.005, 0.0025))
+    assert looks["world/wall"].type_name() == "two_sided"
+    assert any("/wall: an open mesh" in text for text in scene.source.remarks.warnings)

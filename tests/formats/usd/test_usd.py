@@ -132,7 +132,7 @@ def Points "dots" {{ }}
     assert "/hidden: invisible" in notes
     assert "/helper: guide geometry" in notes
     assert "model:drawMode: models are shown as they are" in scene.warnings
-    assert "/dots: Points is not covered" in notes
+    assert "/dots: no points" in notes
 
 
 # ---------------------------------------------------------------------------- instances

@@ -1,0 +1,43 @@
+"""The volume inside of a closed mesh."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.meshes.tessellation import welded
+
+
+def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
+    """The volume that triangles enclose, by Gauss's theorem.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float32, metres
+    faces : (t, 3) int32
+
+    Returns
+    -------
+    float
+        m^3; negative if they face inwards, 0 if they are open: where an edge has a triangle on one
+        side only.
+    """
+    _, places = np.unique(welded(vertices), axis=0, return_inverse=True)
+    corners = places.reshape(-1)[faces].astype(np.int64)
+    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    real = start != end
+    there = np.sort(start[real] * len(vertices) + end[real])
+    back = np.sort(end[real] * len(vertices) + start[real])
+    if not np.array_equal(there, back):
+        return 0.0
+    points = vertices.astype(np.float64)
+    points -= points.mean(axis=0)
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    return float((a * np.cross(b, c)).sum() / 6.0)
+
+
+def is_closed(mesh: Any) -> bool:
+    """Whether the triangles of a mesh, of arrays, enclose a volume."""
+    return enclosed_volume(np.asarray(mesh.vertices), np.asarray(mesh.faces)) != 0.0

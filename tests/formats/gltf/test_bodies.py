@@ -1,0 +1,82 @@
+"""Materials that scatter light inside, on closed meshes."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.formats.bare import load
+from tests.formats.gltf.maker import Maker
+
+BODY = {
+    "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 1},
+    "KHR_materials_volume": {"attenuationColor": [0.5, 0.25, 0.125], "attenuationDistance": 0.1},
+    "KHR_materials_volume_scatter": {"multiscatterColor": [0.9, 0.5, 0.2]},
+    "KHR_materials_ior": {"ior": 1.3},
+}
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
+SIDES = np.array([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2], "<u2")
+
+
+def look(folder, faces=SIDES, without=(), extensions=None, **material):
+    """The material of a tetrahedron, and what was said."""
+    m = Maker()
+    extensions = {name: value for name, value in BODY.items() if name not in without} | (
+        extensions or {}
+    )
+    pbr = {"metallicFactor": 0, "roughnessFactor": 0.25, **material.pop("pbr", {})}
+    number = m.material(extensions=extensions, pbrMetallicRoughness=pbr, **material)
+    primitive = {
+        "attributes": {"POSITION": m.accessor(CORNERS)},
+        "indices": m.accessor(faces),
+        "material": number,
+    }
+    m.json["meshes"].append({"primitives": [primitive]})
+    m.node(mesh=0)
+    document = json.loads(m.gltf())
+    document["extensionsUsed"] = sorted(extensions)
+    (folder / "a.gltf").write_text(json.dumps(document))
+    scene = load(folder / "a.gltf")
+    [node] = [node for _, _, node in scene.walk() if node.shape is not None]
+    remarks = scene.source.remarks
+    return scene.bsdfs[node.bsdf], "\n".join([*remarks.notes, *remarks.warnings])
+
+
+def test_all_light_that_enters_is_scattered_inside(tmp_path):
+    found, said = look(tmp_path)
+    assert found.type_name() == "subsurface"
+    assert found.radius == pytest.approx(0.1 / np.log([2, 4, 8]))
+    assert (found.color, found.ior, found.roughness) == ((0.9, 0.5, 0.2), 1.3, 0.25)
+    for word in ("plays no part", "left out", "not covered"):
+        assert word not in said
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"without": ["KHR_materials_volume"]},
+        {"without": ["KHR_materials_diffuse_transmission"]},
+        {"without": ["KHR_materials_volume_scatter"]},
+        {"pbr": {"metallicFactor": 0.5}},
+        {"alphaMode": "BLEND", "pbr": {"baseColorFactor": [1, 1, 1, 0.5]}},
+        {"extensions": {"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5}}},
+        {"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5}}},
+    ],
+)
+def test_what_is_more_than_a_body_is_none(keys, tmp_path):
+    found, said = look(tmp_path, **keys)
+    assert found.type_name() != "subsurface"
+    assert "left out; light that enters a surface" in said
+
+
+def test_open_meshes_have_no_inside(tmp_path):
+    found, said = look(tmp_path, faces=SIDES[3:])
+    assert found.type_name() == "two_sided"
+    assert "is open, so no light is scattered below its surface" in said
+
+
+def test_scattering_to_some_sides_is_told(tmp_path):
+    scattering = {"multiscatterColor": [1, 1, 1], "scatterAnisotropy": 0.5}
+    found, said = look(tmp_path, extensions={"KHR_materials_volume_scatter": scattering})
+    assert found.color == (1.0, 1.0, 1.0)
+    assert "scatterAnisotropy" in said

@@ -1,0 +1,84 @@
+"""Bodies that will not look as they should are told, and what displaces nothing is refused."""
+
+import pytest
+
+import alight
+from alight.compiled.scene import compile_scene
+from alight.scene.flatten import flatten
+
+CUBE = {
+    "type": "mesh",
+    "vertices": [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
+    "faces": [
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    ],
+}  # fmt: skip
+INSIDE_OUT = {**CUBE, "faces": [face[::-1] for face in CUBE["faces"]]}
+
+
+def loaded(shape, **keys):
+    """A scene with one body."""
+    body = {"shape": shape, "bsdf": {"type": "subsurface"}, **keys.pop("node", {})}
+    nodes = {"body": body, **keys.pop("others", {})}
+    surroundings = {"type": "constant", "radiance": 1}
+    return alight.load(
+        {"alight": 1, "camera": {}, "environment": surroundings, "nodes": nodes, **keys}
+    )
+
+
+def warnings_of(shape, **keys):
+    return compile_scene(flatten(loaded(shape, **keys)), structure="list").warnings
+
+
+@pytest.mark.parametrize(
+    ("shape", "advice"),
+    [
+        (CUBE, None),
+        (INSIDE_OUT, "give its shape flip_normals: true"),
+        ({**INSIDE_OUT, "flip_normals": True}, None),
+        ({**CUBE, "flip_normals": True}, "leave out flip_normals"),
+        ({**INSIDE_OUT, "faces": INSIDE_OUT["faces"][1:]}, None),
+        ("sphere", None),
+        ({"type": "sphere", "flip_normals": True}, "leave out flip_normals"),
+        ({"type": "cube", "flip_normals": True}, "leave out flip_normals"),
+        ("cube", None),
+        ({"type": "rectangle", "flip_normals": True}, None),
+    ],
+)
+def test_bodies_that_are_inside_out_are_told(shape, advice):
+    """A mirror turns nothing inside out; what is open has no inside."""
+    for scale in (1, [1, 1, -2]):
+        found = warnings_of(shape, node={"transform": [{"scale": scale}]})
+        if advice is None:
+            assert found == ()
+        else:
+            assert len(found) == 1
+            assert found[0].startswith("body: a body whose normals point inwards is black")
+            assert found[0].endswith(advice)
+
+
+@pytest.mark.parametrize(
+    ("half", "x", "told"), [(2.0, 0, True), (0.4, 0, False), (2.0, 3.5, False), (2.0, -3.5, False)]
+)
+def test_bodies_in_fog_that_does_not_end_at_them_are_told(half, x, told):
+    fog = {"type": "homogeneous", "sigma_t": 0.1, "albedo": 0.5}
+    cloud = {
+        "shape": {"type": "sphere", "radius": half * 2},
+        "bsdf": {"type": "null"},
+        "interior": fog,
+        "transform": [{"translate": [x, 0, 0]}],
+    }
+    keys = {"others": {"cloud": cloud}, "integrator": {"type": "volpath"}}
+    assert len(warnings_of("cube", **keys)) == told
+    found = warnings_of("sphere", **keys)
+    assert len(found) == told
+    assert all("give it the interior of cloud as exterior" in text for text in found)
+    assert warnings_of("sphere", node={"exterior": fog}, **keys) == ()
+
+
+@pytest.mark.parametrize("key", ["scale", "midlevel", "edge"])
+def test_what_displaces_nothing_is_refused(key):
+    with pytest.raises(alight.SceneError, match=f"displacement_{key} does nothing"):
+        loaded({**CUBE, f"displacement_{key}": 0.5}, node={"bsdf": {"type": "diffuse"}})
+    loaded({**CUBE, "displacement": 0.1, f"displacement_{key}": 0.5})
