@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from alight.core.equal_area import sphere_to_square
 from alight.core.vec import gather_vec3, max_component, min_component
-from alight.guiding.lookup import leaf_at, within_box
-from alight.guiding.parallax import focus_at, from_middle
+from alight.guiding.lookup import direction_density, place_at, within_box
+from alight.guiding.parallax import from_middle
 from alight.guiding.records import (
     CORNERS,
     ROOM_OF_CORNERS,
@@ -39,8 +39,9 @@ from lanewise.simd import (
 #: Scratch memory for the widest packet.
 ROOM = 16 * LIGHT_RECORD
 
-#: No way counts as shorter than the guide's size over this.
-SHORTEST = 1000.0
+#: No way counts as shorter than the guide's size over this, and no direction for more than one of
+#: this density, per steradian.
+SHORTEST, DENSEST = 1000.0, 1000.0
 
 
 @kernel
@@ -65,9 +66,13 @@ def record_arrivals(log, p, w, flux, near, mask):
 def add_arrivals(guide, log, totals, unit):
     """Add the flux of a log to `lit` and `near` of sums, where it arrives within the guide's box.
 
+    How far light comes from matters where it comes from few directions, so in `near` a record
+    counts by the density that the guide has for its own.
+
     Parameters
     ----------
     guide : Guide
+        Of the rounds before.
     log : LightLog
     totals : Totals
     unit : float32
@@ -89,15 +94,16 @@ def add_arrivals(guide, log, totals, unit):
         inside = (min_component(place) >= 0.0) & (max_component(place) < 1.0)
         active = active & inside & is_finite(flux)
         flux = where(active, flux, 0.0)
-        leaf = leaf_at(guide, p)
-        w, _ = from_middle(focus_at(guide, leaf, p), w)
+        leaf, focus = found = place_at(guide, p)
+        sharp = flux * minimum(direction_density(guide, found, w, active), DENSEST)
+        w, _ = from_middle(focus, w)
         x, y = sphere_to_square(w)
         _, side = cell_of(guide, leaf, x, y, active)
         store_cells_around(guide, leaf, cells, x, y, side, active)
         store_lanes(leaves, 0, leaf)
-        store_lanes(values, 0, in_units(flux, unit))
+        store_lanes(values, 0, in_units(sharp, unit))
         store_lanes(values, 2 * LANES, quarter_of(in_units(flux, unit)))
-        store_lanes(values, LANES, in_units(flux * minimum(size * near, SHORTEST), unit))
+        store_lanes(values, LANES, in_units(sharp * minimum(size * near, SHORTEST), unit))
         bits = mask_bits(active)
         while bits != 0:
             lane = trailing_zeros(bits)

@@ -51,7 +51,8 @@ CHOICES = ((0.0, 0.0), *((share, mix) for share in SHARES for mix in MIXES))
 #: int64 each. cells, lit: four a node, second moments of the quadrants, and the flux that arrives
 #: through them. leaves: of each leaf the number of its records, and the second moment that each of
 #: `CHOICES` would have had. middles: sums of the records' places in the box, x, y and z. near: flux
-#: that arrives, and the same times the guide's size over the length of its way.
+#: that arrives times the guide's density there, and the same times the guide's size over the length
+#: of its way.
 Totals = namedtuple("Totals", "cells lit leaves middles near")
 LEAF_SUMS = 1 + len(CHOICES)
 

@@ -47,6 +47,9 @@ CROWD, LEAST = 2.0, 64.0
 #: Light from farther than so many sizes of a leaf comes from the same direction everywhere in it.
 FAR = 64.0
 
+#: Flux comes from few directions where the guide's density is so many times `EVEN`, in the mean.
+FEW = 12.0
+
 #: The guide's share before anything is known of what it gains, and that of light paths in it.
 FIRST_SHARE, FIRST_MIX = 0.5, 0.5
 
@@ -236,19 +239,39 @@ class Tree:
         low, extent = box[:3].astype(np.float64), 1.0 / box[3:].astype(np.float64)
         counts = totals.leaves.shaped[:, :1]
         middle = low + extent * (totals.middles.shaped / np.maximum(counts, 1)) / UNITS
-        flux, near = totals.near.shaped.T.astype(np.float64)
-        radius = np.where(near > 0.0, extent.max() * flux / np.where(near > 0.0, near, 1.0), 0.0)
-        # A sphere must hold the whole leaf. What comes from afar has no parallax.
-        size = np.linalg.norm(self._sizes() * extent, axis=1)
-        radius = np.maximum(radius, size / NEAR) * (radius > 0.0) * (radius < FAR * size)
         return replace(
             self,
-            focus=np.column_stack([middle, radius]),
+            focus=np.column_stack([middle, self._radii(totals, extent)]),
             children=np.zeros((len(self.roots), QUADRANTS), np.int64),
             level=np.zeros(len(self.roots), np.int64),
             leaf=np.arange(len(self.roots)),
             parts=np.full((len(self.roots), QUADRANTS, 2), 1 / QUADRANTS),
         )
+
+    def refocused(self, totals: Totals, box: NDArray[np.float32]) -> Tree:
+        """The tree with new radii where light comes from few directions.
+
+        Their middles stay, and so does what is known: what the middle sees does not move.
+
+        Parameters
+        ----------
+        totals, box
+            As for `focused`.
+        """
+        flux = np.bincount(self.leaf, totals.lit.shaped.sum(1), len(self.roots))
+        few = totals.near.shaped[:, 0] > FEW * EVEN * flux
+        radius = self._radii(totals, 1.0 / box[3:].astype(np.float64))
+        focus = self.focus.copy()
+        focus[few, 3] = radius[few]
+        return replace(self, focus=focus)
+
+    def _radii(self, totals: Totals, extent: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(leaves,): harmonic mean of the ways of a round's light, in metres, 0 from afar."""
+        flux, near = totals.near.shaped.T.astype(np.float64)
+        radius = np.where(near > 0.0, extent.max() * flux / np.where(near > 0.0, near, 1.0), 0.0)
+        # A sphere must hold the whole leaf. What comes from afar has no parallax.
+        size = np.linalg.norm(self._sizes() * extent, axis=1)
+        return np.maximum(radius, size / NEAR) * (radius > 0.0) * (radius < FAR * size)
 
     def _sizes(self) -> NDArray[np.float64]:
         """(leaves, 3): sides of each leaf, as parts of the box's."""

@@ -23,7 +23,7 @@ from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
-from alight.rendering.training import is_to_be_guided, trained, untrained
+from alight.rendering.training import is_to_be_guided, samples_in, trained, untrained
 
 
 class Rung(NamedTuple):
@@ -81,7 +81,7 @@ def render_ladder(
     threads : int
         0 renders on the caller's own.
     """
-    scene, kernels, seconds = made_ready(scene, kernels, seed, threads)
+    scene, kernels, seconds = made_ready(scene, kernels, seed, threads, ladder[-1])
     film = film_for(scene, seed, replicates)
     settings = make_settings(scene.integrator, seed=seed, replicates=replicates, guide=scene.guide)
     tiles = tiles_of(film.crop)
@@ -97,15 +97,17 @@ def render_ladder(
 
 
 def made_ready(
-    scene: CompiledScene, kernels: Kernels, seed: int, threads: int
+    scene: CompiledScene, kernels: Kernels, seed: int, threads: int, spp: int
 ) -> tuple[CompiledScene, Kernels, float]:
     """A scene with its guide, if it wants one, its kernels, and the CPU seconds of training.
 
-    A scene whose guide would not pay has other kernels than the given ones.
+    A scene whose guide would not pay for so many samples a pixel has other kernels than the given
+    ones.
     """
     if not is_to_be_guided(scene):
         return scene, kernels, 0.0
-    scene, training = trained(scene, seed=seed, threads=max(threads, 1))
+    samples = samples_in(scene, spp)
+    scene, training = trained(scene, seed=seed, threads=max(threads, 1), samples=samples)
     return scene, kernels if training.used else compiled_kernels(scene), training.cpu_seconds
 
 

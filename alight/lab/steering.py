@@ -90,7 +90,7 @@ def steered_ladder(
     option : str or mapping
         See `problem_of`.
     """
-    scene, kernels, training = made_ready(scene, kernels, seed, threads)
+    scene, kernels, training = made_ready(scene, kernels, seed, threads, ladder[-1])
     for spp in ladder:
         begin = time.thread_time()
         settings = make_settings(

@@ -162,9 +162,9 @@ class Job:
         film.largest_sample = self.largest_sample
         return film
 
-    def _guide(self) -> dict[str, str]:
+    def _guide(self) -> dict[str, Any]:
         """The guide as a part of a film's identity."""
-        return {"guide": self.training.hash} if self.training else {}
+        return self.training.identity if self.training else {}
 
     def _tables(self) -> dict[str, str]:
         """What kernels read, as a part of the identity of a film that any machine may go on with.

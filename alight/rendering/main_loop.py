@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from alight.compiled.recompile import compiled_of
 from alight.compiled.scene import CompiledScene
@@ -29,8 +30,8 @@ from alight.rendering.light_paths import LEAST_REPLICATES
 from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
-from alight.rendering.schedules import schedule_of, time_limit_of
-from alight.rendering.training import is_to_be_guided, trained
+from alight.rendering.schedules import planned_spp, schedule_of, time_limit_of
+from alight.rendering.training import is_to_be_guided, samples_in, trained
 from alight.scene import FlatScene, Scene
 
 #: Seconds between two reports of progress.
@@ -56,7 +57,7 @@ def _render_with(executor: Executor, scene: Scene, options: RenderOptions, clock
     job = make_job(
         scene, schedule_of(options, scene.source.remarks.spp), clock,
         seed=options.seed, threads=options.threads, replicates=options.replicates,
-        aovs=options.aovs,
+        aovs=options.aovs, planned=planned_spp(options, scene.source.remarks.spp),
     )  # fmt: skip
     job.time_limit = time_limit_of(options)
     writer = None
@@ -78,13 +79,16 @@ def make_job(
     threads: int | None,
     replicates: int | None,
     aovs: Sequence[str],
+    planned: int | None = None,
+    again: Mapping[str, Any] | None = None,
 ) -> Job:
-    """Compile a scene for a job."""
+    """Compile a scene for a job; for the rest see `job_of`."""
     threads = threads or usable_processors()
     made = compiled_of(scene, layers_of(aovs), threads, clock.lap)
     return job_of(
-        made.flat, made.compiled, schedule, clock, seed=seed, threads=threads, replicates=replicates
-    )
+        made.flat, made.compiled, schedule, clock, seed=seed, threads=threads,
+        replicates=replicates, planned=planned, again=again,
+    )  # fmt: skip
 
 
 def job_of(
@@ -96,13 +100,28 @@ def job_of(
     seed: int,
     threads: int,
     replicates: int | None,
+    planned: int | None = None,
+    again: Mapping[str, Any] | None = None,
 ) -> Job:
-    """Make the job of a scene that is compiled already, and train its guide if it has one."""
+    """Make the job of a scene that is compiled already, and train its guide if it has one.
+
+    Parameters
+    ----------
+    flat, compiled, schedule, clock, seed, threads, replicates
+        As of `Job`.
+    planned : int, optional
+        Samples per pixel of the whole render; None if nobody knows.
+    again : mapping, optional
+        Options of the film that goes on.
+    """
     if compiled.integrator.splats:
         replicates = replicates or max(flat.film.replicates, LEAST_REPLICATES)
     training = None
     if is_to_be_guided(compiled):
-        compiled, training = trained(compiled, seed=seed, threads=threads)
+        compiled, training = trained(
+            compiled, seed=seed, threads=threads, again=again,
+            samples=samples_in(compiled, planned),
+        )  # fmt: skip
         clock.lap("training")
     replicates = replicates or flat.film.replicates
     return Job(

@@ -149,7 +149,7 @@ def _go_on_with(
             schedule = own if spp is None else own.extended(spp)
     job = make_job(
         scene, schedule, clock, seed=film.seed, threads=options.threads,
-        replicates=film.replicates, aovs=tuple(film.aov_channels),
+        replicates=film.replicates, aovs=tuple(film.aov_channels), again=film.options,
     )  # fmt: skip
     check_same_names(film.coverage, job.rounds[0].coverage, f"cannot resume {saved.path}")
     _check_tables(saved, job)

@@ -68,6 +68,22 @@ def schedule_of(options: RenderOptions, own_spp: int | None) -> Schedule:
     return whole if options.part is None else part_of(whole, *options.part)
 
 
+def planned_spp(options: RenderOptions, own_spp: int | None) -> int | None:
+    """Samples per pixel that the options ask for, in all parts; None if something else decides.
+
+    Parameters
+    ----------
+    options : RenderOptions
+    own_spp : int or None
+        Samples per pixel that the scene's file asks for.
+    """
+    if options.schedule is not None:
+        return None
+    if options.criterion == "cycles" or options.error is not None:
+        return options.max_spp or options.spp
+    return options.spp or (None if time_limit_of(options) else own_spp or SPP)
+
+
 def part_of(whole: Uniform, number: int, parts: int) -> Uniform:
     """One of the equal ranges that the samples of a render are cut into.
 

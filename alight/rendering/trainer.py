@@ -32,18 +32,13 @@ from alight.rendering.staged_tile import render_tile_kernel
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import RAYS, Tile
 from alight.rendering.tiles import SMALL, tiles_of
+from alight.rendering.training_plan import Step, TrainingPlan
 from lanewise.jit import instantiate
 from lanewise.view import View
 
-#: After this round leaves learn how far their light comes from.
-FOCUS_ROUND = 1
-
-#: A guide is used where each of its rays is worth so many without it: such a ray takes up to 2.4
-#: times as long, and evenly distributed samples help unguided paths up to 1.3 times as much.
-LEAST_GAIN = 3.0
-
-#: In this round a guide that is not worth `EARLY_GAIN` is given up: it hardly doubles any more.
-EARLY_ROUND, EARLY_GAIN = 4, LEAST_GAIN / 2.0
+#: After these rounds leaves learn how far their light comes from: first at all, then from where
+#: most of it comes, which they know by then.
+FOCUS_ROUND, REFOCUS_ROUND = 1, 3
 
 #: Samples a pixel that a tile renders before its vertices are added; vertices a path, at first,
 #: that there is room for.
@@ -93,6 +88,8 @@ class Trainer:
         the former over those of the latter; from the last round that was judged.
     pays : bool
         Whether the guide is to be used.
+    rounds : int
+        That were run.
     """
 
     def __init__(self, scene: CompiledScene, threads: int) -> None:
@@ -112,18 +109,17 @@ class Trainer:
         # Threads append, which loses nothing.
         self.seconds: list[float] = []
         self.paths = self.vertices = self.arrivals = 0
-        self.gain, self.pays = 1.0, True
+        self.gain, self.pays, self.rounds = 1.0, True, 0
 
-    def train(self, seed: int, rounds: int, *, choose: bool = False) -> Guide:
-        """Run all rounds, or fewer if it may be chosen whether there is a guide, and none pays."""
+    def train(self, seed: int, plan: TrainingPlan) -> Guide:
+        """Run the rounds of a plan, or as many as it takes to find that the guide does not pay."""
         tree = Tree.new()
         frame = framed(EVERYWHERE, np.ones((1, 1), np.float32), self.size)
         self._compile(tree, tree.guide(frame))
         rays_alone = 0
         began = time.thread_time()
         with ThreadPoolExecutor(self.threads) as pool:
-            for number in range(rounds):
-                judged = number in (EARLY_ROUND, rounds - 1)
+            for number in range(plan.most_rounds):
                 settings = make_settings(
                     self.scene.integrator,
                     seed=seed_of_round(seed, TRAINING + number),
@@ -138,21 +134,24 @@ class Trainer:
                 box = frame.box if number else _box(found)
                 picture = _blocks(found.moments.squares / 2**number)
                 frame = framed(box, picture, self.size)
-                if judged:
+                if plan.is_judged(number):
                     means = _around(found.moments.sums / 2**number)
                     fewer_rays = rays_alone * 2**number / found.rays
                     self.gain = found.moments.fewer_samples(means) * fewer_rays
-                    least = LEAST_GAIN if number == rounds - 1 else EARLY_GAIN
-                    self.pays = not choose or self.gain >= least
-                    if not self.pays:
-                        break
+                self.rounds, step = number + 1, plan.step(number, self.gain)
+                self.pays = step is not Step.GIVE_UP
+                if not self.pays:
+                    break
                 if self.emits:
                     self._light_round(pool, tree.guide(frame), found.totals, seed, number)
                 tree.learn(found.totals, self.unit, asked=number > 0)
                 if number == FOCUS_ROUND:
                     tree = tree.focused(found.totals, box)
-                if number + 1 < rounds:
-                    tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)
+                elif number == REFOCUS_ROUND:
+                    tree = tree.refocused(found.totals, box)
+                if step is Step.USE:
+                    break
+                tree = tree.grown(found.totals.leaves.shaped[:, 0], MOST_NODES)
         self.seconds.append(time.thread_time() - began)
         return tree.guide(frame)
 
@@ -163,7 +162,9 @@ class Trainer:
         self._tile(settings, self.tiles[0], 0, 0)
         self.add(guide, tree.densities(), settings.log, tree.empty_totals(), np.float32(1.0))
         if self.emits:
-            log = self._light_tile(settings, self.tiles[0], 0, 0)
+            # Light paths follow no guide: their settings are of another type.
+            alone = make_settings(self.scene.integrator, seed=0, replicates=1)
+            log = self._light_tile(alone, self.tiles[0], 0, 0)
             self.add_light(guide, log, tree.empty_totals(), np.float32(1.0))
         self.seconds.clear()
 

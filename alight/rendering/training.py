@@ -2,13 +2,17 @@
 
 Paths start at a small picture of the same view, whatever the film's size, so that the guide does
 not depend on how much is rendered. Their samples are thrown away: the picture is unbiased, given
-the guide, and each of its samples independent of all others, given the guide. A guide, and whether
-it pays, are functions of scene and seed alone; a resumed render makes its own again.
+the guide, and each of its samples independent of all others, given the guide. A guide is a function
+of scene and seed alone. Where the scene leaves the choice, whether there is one, and of how many
+rounds, also depends on the samples that the whole picture is to have. A resumed render makes the
+guide of its film again.
 """
 
 from __future__ import annotations
 
 import hashlib
+import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -19,10 +23,8 @@ from alight.guiding.tables import GUIDED, Guide
 from alight.guiding.tree import Tree
 from alight.lights.tables import LightTables
 from alight.rendering.trainer import EVERYWHERE, Trainer, framed
+from alight.rendering.training_plan import ROUNDS, TrainingPlan
 from lanewise.view import View
-
-#: Rounds of training: 1, 2, 4 ... samples a pixel.
-ROUNDS = 7
 
 
 class Training(NamedTuple):
@@ -36,12 +38,15 @@ class Training(NamedTuple):
         Paths from the camera, the vertices that they taught, and those of light paths.
     leaves, nodes, bytes : int
         Of the guide.
-    gain : float
-        How many rays without the guide one with it is worth, see `Trainer.gain`.
+    gain : float or None
+        How many rays without the guide one with it is worth, see `Trainer.gain`; None if nobody
+        asked.
     used : bool
         Whether the picture's paths follow the guide.
     hash : str
         Names the guide that they follow.
+    rounds : int
+        That were run.
     """
 
     cpu_seconds: float
@@ -51,19 +56,36 @@ class Training(NamedTuple):
     leaves: int
     nodes: int
     bytes: int
-    gain: float
+    gain: float | None
     used: bool
     hash: str
+    rounds: int
+
+    @classmethod
+    def left_out(cls) -> Training:
+        """None at all."""
+        return cls(0.0, 0, 0, 0, 0, 0, 0, gain=None, used=False, hash=NONE, rounds=0)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """The guide as a part of a film's options, from which it can be made again."""
+        return {"guide": self.hash, **({"guide_rounds": self.rounds} if self.used else {})}
 
     @property
     def line(self) -> str:
         """What the guide gains, and what follows, in words."""
+        if self.gain is None:
+            return "guide: not trained, as it would not pay (guiding: on trains it all the same)"
         worth = f"a ray with it is worth {self.gain:.2g} without"
         return f"guide: {worth}" if self.used else f"guide: not used, as {worth}"
 
     def state(self) -> dict[str, Any]:
         """As JSON."""
         return {**self._asdict(), "line": self.line}
+
+
+#: In place of a guide's hash, where paths follow none.
+NONE = "none"
 
 
 def is_to_be_guided(scene: CompiledScene) -> bool:
@@ -90,8 +112,20 @@ def untrained(scene: CompiledScene) -> CompiledScene:
     return with_guide(scene, Tree.new().guide(frame))
 
 
+def samples_in(scene: CompiledScene, spp: int | None) -> float:
+    """Samples of all pixels of the scene's picture together; infinite where nobody knows."""
+    width, height = scene.crop[2:] if scene.crop else scene.size
+    return float(width * height * spp) if spp else math.inf
+
+
 def trained(
-    scene: CompiledScene, *, seed: int, threads: int, rounds: int = ROUNDS
+    scene: CompiledScene,
+    *,
+    seed: int,
+    threads: int,
+    rounds: int = ROUNDS,
+    samples: float = math.inf,
+    again: Mapping[str, Any] | None = None,
 ) -> tuple[CompiledScene, Training]:
     """Train a guide for a scene that asks for one.
 
@@ -103,6 +137,11 @@ def trained(
     threads : int
         They do not change the guide.
     rounds : int
+        To be run, where the scene does not leave the choice (`TrainingPlan`).
+    samples : float, optional
+        Of all pixels of the whole picture together; infinite where nobody knows.
+    again : mapping, optional
+        `Training.identity` of a guide that is to be made again.
 
     Returns
     -------
@@ -110,8 +149,16 @@ def trained(
         With the guide, or without one where it would not pay and the scene leaves the choice.
     Training
     """
+    assert scene.small_view is not None
+    chooses = scene.integrator.way_of_guiding == "auto"
+    if again:
+        chooses, rounds = again["guide"] == NONE, int(again.get("guide_rounds", ROUNDS))
+    width, height = scene.small_view.size
+    plan = TrainingPlan(rounds, chooses, samples, width * height)
+    if (again and chooses) or not plan.begins:
+        return without_guide(scene), Training.left_out()
     trainer = Trainer(untrained(scene), threads)
-    guide = trainer.train(seed, rounds, choose=scene.integrator.way_of_guiding == "auto")
+    guide = trainer.train(seed, plan)
     arrays = [table.array for table in guide]
     digest = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
     took = Training(
@@ -124,7 +171,8 @@ def trained(
         bytes=sum(array.nbytes for array in arrays),
         gain=trainer.gain,
         used=trainer.pays,
-        hash=digest[:16] if trainer.pays else "none",
+        hash=digest[:16] if trainer.pays else NONE,
+        rounds=trainer.rounds,
     )
     if not trainer.pays:
         return without_guide(scene), took

@@ -19,7 +19,7 @@ from alight.rendering.layers import layers_of
 from alight.rendering.main_loop import Clock, job_of
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Uniform
-from alight.rendering.schedules import schedule_of, time_limit_of
+from alight.rendering.schedules import planned_spp, schedule_of, time_limit_of
 from alight.rendering.tile import make_kernels
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.training import is_to_be_guided, untrained
@@ -87,6 +87,7 @@ class Movable:
         job = job_of(
             flat, compiled, schedule if spp is None else schedule.extended(spp), Clock(),
             seed=self.options.seed, threads=self.threads, replicates=self.options.replicates,
+            planned=spp or planned_spp(self.options, self.scene.source.remarks.spp),
         )  # fmt: skip
         job.time_limit = time_limit_of(self.options)
         return job

@@ -11,8 +11,9 @@ from alight.integrators.walk import make_settings
 from alight.lab.measure import add_tiles, film_for
 from alight.rendering.tile import make_kernels
 from alight.rendering.tiles import tiles_of
-from alight.rendering.trainer import LEAST_GAIN, Trainer
+from alight.rendering.trainer import Trainer
 from alight.rendering.training import trained, untrained
+from alight.rendering.training_plan import LEAST_GAIN, TrainingPlan
 from alight.scene import flatten
 from tests.guiding.smoky_room import ROOM as SMOKY_ROOM
 from tests.guiding.test_guided_renders import ROOM
@@ -65,7 +66,7 @@ def test_samples_that_are_no_numbers_say_nothing(monkeypatch):
     monkeypatch.setattr(Trainer, "_tile", tile)
     trainer = Trainer(untrained(compile_scene(flatten(scene_with(LAMP)))), threads=1)
     # Of a single sample a pixel no variance is known.
-    guide = trainer.train(3, 2)
+    guide = trainer.train(3, TrainingPlan(2))
     assert any(len(log.without.array) for log in told) and np.isfinite(trainer.gain)
     assert np.isfinite(guide.picture.array).all() and guide.picture.array.max() > 0.0
 
@@ -117,12 +118,22 @@ def means(film):
 
 
 def test_a_guide_that_does_not_pay_is_left_out():
-    """The picture is that of a path tracer, to the bit, and so are its kernels."""
-    found = alight.render(scene_with(LAMP, max_depth=4), spp=8, seed=3, threads=2)
+    """The scene is that of a path tracer, and so is its program."""
+    scene = scene_with(LAMP, max_depth=4)
+    free, told = trained(compile_scene(flatten(scene)), seed=3, threads=2)
+    assert not told.used and 0.3 < told.gain < LEAST_GAIN and "not used" in told.line
+    alone = compile_scene(flatten(scene_with(LAMP, max_depth=4, guiding="off")))
+    assert free.guide is None
+    assert free.program == alone.program
+
+
+def test_a_small_picture_has_no_guide_unless_it_is_asked_for():
+    """It is that of a path tracer, to the bit."""
+    found = alight.render(scene_with(GLOBE, max_depth=4), spp=8, seed=3, threads=2)
     told = found.stats["guide"]
-    assert not told["used"] and 0.3 < told["gain"] < LEAST_GAIN and "not used" in told["line"]
-    plain = scene_with(LAMP, max_depth=4, guiding="off")
-    alone = alight.render(plain, spp=8, seed=3, threads=2)
+    assert (told["used"], told["gain"], told["rounds"]) == (False, None, 0)
+    assert "not trained" in told["line"]
+    alone = alight.render(scene_with(GLOBE, max_depth=4, guiding="off"), spp=8, seed=3, threads=2)
     assert means(found) == means(alone)
     assert found.stats["program"] == alone.stats["program"]
 
@@ -185,7 +196,7 @@ def test_paths_with_a_guide_tell_the_second_moment_without_it(text, samples, dep
     scene = scene.replaced(integrator=scene.integrator.replaced(**options))
     compiled = untrained(compile_scene(flatten(scene)))
     trainer = Trainer(compiled, threads=2)
-    guide = trainer.train(5, 6)
+    guide = trainer.train(5, TrainingPlan(6))
     assert guide.leaves.shaped[:, 0].max() > 0.5
     if rr_depth == 99:
         # A guide that expects nothing of any vertex ends no path.

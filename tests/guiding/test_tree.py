@@ -9,7 +9,7 @@ from alight.guiding.lookup import Place, direction_density, draw_direction, leaf
 from alight.guiding.parallax import NEAR, Focus, from_middle, from_point
 from alight.guiding.records import CHOICES, UNITS, Totals
 from alight.guiding.tables import Frame
-from alight.guiding.tree import FIRST_MIX, FIRST_SHARE, PART, SURE_OF_SHARE, Tree
+from alight.guiding.tree import EVEN, FEW, FIRST_MIX, FIRST_SHARE, PART, SURE_OF_SHARE, Tree
 
 FRAME = Frame(
     box=np.array([-1.0, 2.0, 0.5, 0.5, 0.25, 1.0], np.float32),
@@ -316,6 +316,25 @@ def test_a_focus_is_where_the_light_is():
     assert first == pytest.approx(np.maximum(8.0, size[0::4] / NEAR))
     assert second == pytest.approx(size[1::4] / NEAR)
     assert (focus[2::4, 3] == 0.0).all() and (focus[3::4, 3] == 0.0).all()
+
+
+def test_a_new_focus_forgets_nothing():
+    """Only leaves whose light comes from few directions have one, around the same middle."""
+    tree = random_tree(4)
+    n = len(tree.roots)
+    totals = tree.empty_totals()
+    totals.lit.shaped[:n] = 1 << 20
+    few = np.arange(n) % 2 == 0
+    density = np.where(few, 1.01, 0.99) * FEW * EVEN
+    totals.near.shaped[:, 0] = 4.0 * density * (1 << 20)
+    # Light from 8 m.
+    totals.near.shaped[:, 1] = totals.near.shaped[:, 0] // 2
+    again = tree.refocused(totals, FRAME.box)
+    assert (again.focus[:, :3] == tree.focus[:, :3]).all()
+    assert (again.focus[~few] == tree.focus[~few]).all()
+    size = np.linalg.norm(tree._sizes() / FRAME.box[3:], axis=1)
+    assert again.focus[few, 3] == pytest.approx(np.maximum(8.0, size / NEAR)[few], rel=1e-5)
+    assert again.parts is tree.parts and again.children is tree.children
 
 
 def test_bright_quadrants_are_divided_and_dark_ones_are_joined():

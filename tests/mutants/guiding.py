@@ -228,7 +228,7 @@ GUIDING = (
         "a mean of distances, not of their inverses",
         "guiding/light_records.py",
         (
-            ("flux * minimum(size * near, SHORTEST)", "flux / maximum(size * near, 1e-3)"),
+            ("sharp * minimum(size * near, SHORTEST)", "sharp / maximum(size * near, 1e-3)"),
             ("    minimum,\n", "    maximum,\n    minimum,\n"),
         ),
         f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves",
@@ -370,12 +370,6 @@ GUIDING = (
         "core/equal_area.py",
         (("_folded(x), where(beyond, 1.0 - y, y)", "_folded(x), y"),),
         f"{TREE}::test_beyond_an_edge_of_the_square_the_map_goes_on",
-    ),
-    Mutant(
-        "a guide that is used whatever it is worth",
-        "rendering/trainer.py",
-        (("not choose or self.gain >= least", "True"),),
-        f"{GAIN}::test_a_guide_that_does_not_pay_is_left_out",
     ),
     Mutant(
         "paths that nothing is known of never end",

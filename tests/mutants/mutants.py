@@ -30,6 +30,7 @@ from tests.mutants.shown_again import SHOWN_AGAIN
 from tests.mutants.slips import SLIPS
 from tests.mutants.strands import STRANDS
 from tests.mutants.studies import STUDIES
+from tests.mutants.training import TRAINING
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
 from tests.mutants.view import VIEW
@@ -63,6 +64,7 @@ MUTANTS = (
     + LAWS
     + WAVES
     + GUIDING
+    + TRAINING
     + FORMATS
     + VIEW
     + CLUSTER

@@ -1,0 +1,55 @@
+"""Bugs of the training of guides: how long it is, and what leaves learn of distances."""
+
+from tests.mutants.mutant import Mutant
+
+LIGHT = "tests/guiding/test_light_records.py"
+PLAN = "tests/guiding/test_training_plan.py"
+TREE = "tests/guiding/test_tree.py"
+
+TRAINING = (
+    Mutant(
+        "a guide that is used whatever it is worth",
+        "rendering/training_plan.py",
+        (("if gain >= LEAST_GAIN:", "if True:"),),
+        f"{PLAN}::test_gates_rise",
+    ),
+    Mutant(
+        "all light counts alike where it is asked how far it comes from",
+        "guiding/light_records.py",
+        (
+            (
+                "sharp = flux * minimum(direction_density(guide, found, w, active), DENSEST)",
+                "sharp = flux",
+            ),
+        ),
+        f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves[False]",
+    ),
+    Mutant(
+        "a new focus where light comes from everywhere",
+        "guiding/tree.py",
+        (("focus[few, 3] = radius[few]", "focus[:, 3] = radius"),),
+        f"{TREE}::test_a_new_focus_forgets_nothing",
+    ),
+    Mutant(
+        "one more round than the picture is worth",
+        "rendering/training_plan.py",
+        (
+            (
+                "gain >= GATES[number] and self._spent(number + 1)",
+                "gain >= GATES[number] and self._spent(number)",
+            ),
+        ),
+        f"{PLAN}::test_a_guide_that_never_pays_costs_little",
+    ),
+    Mutant(
+        "the samples of one part in place of the whole render's",
+        "rendering/schedules.py",
+        (
+            (
+                "    return options.spp or (None if",
+                "    return (options.spp or 0) // (options.part or (1, 1))[1] or (None if",
+            ),
+        ),
+        f"{PLAN}::test_parts_plan_with_the_whole_render",
+    ),
+)
