@@ -32,6 +32,7 @@ from alight.cli.study import study
 from alight.cli.tonemap import tonemap
 from alight.cli.trace import trace
 from alight.cli.view import view
+from alight.cli.warm import warm
 from alight.cli.why import why
 
 app = typer.Typer(
@@ -60,6 +61,7 @@ for command in (
     reference,
     compare,
     doctor,
+    warm,
     why,
     guide,
     view,
