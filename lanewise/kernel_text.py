@@ -73,7 +73,9 @@ def mistakes_in(function: FunctionType) -> list[str]:
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "print":
             remedy = "a kernel does not print: look at the Python twin (compiled=False)"
         if remedy:
-            found.append(_told(function.__name__, file, first + node.lineno - 1, remedy))
+            found.append(
+                _told(function.__name__, file, first + getattr(node, "lineno", 1) - 1, remedy)
+            )
     return found + _unknown_names(function, file)
 
 

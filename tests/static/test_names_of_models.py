@@ -30,6 +30,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "lab/arms.py": {"environment"},
     "lab/report/page.py": {"curves"},
     "lab/steering.py": {"threshold"},
+    "lab/warm.py": {"environment"},
     "lab/why/shares.py": {"light"},
     "lab/why/trials.py": {"environment"},
     "lab/why/words.py": {"light"},
