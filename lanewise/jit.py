@@ -155,8 +155,8 @@ class _CompiledBuild(_Build):
         super().__init__(program)
         self.stock = stock
         self.compiler = load_compiler()
-        #: Kernels that are neither of lanewise nor of its application, by name.
-        self.users: dict[str, types.FunctionType] = {}
+        #: Kernels that are neither of lanewise nor of its application.
+        self.users: list[types.FunctionType] = []
 
     def get(self, node: Any, strict: bool = False) -> Any:
         root = not self.done
@@ -169,7 +169,7 @@ class _CompiledBuild(_Build):
     def make(self, node: Callable, strict: bool, root: bool = False) -> Any:
         if not is_ours(node):
             check_text(node)
-            self.users[node.__name__] = node
+            self.users.append(node)
         strict = strict or getattr(node, STRICT)
         shared = not depends_on_program(node)
         key = (node, strict, root, self.stock)
@@ -268,13 +268,16 @@ class StockKernel:
         self._root, self._program = root, program
         self._lock = threading.Lock()
         self._dispatcher: Any = None
+        self._users: list[types.FunctionType] = []
 
     def __call__(self, *arguments: Any) -> None:
         """Run; the first call for arguments of new types compiles."""
         with self._lock:
             if self._dispatcher is None:
-                self._dispatcher = dispatcher_of(self._root, self._program, stock=True)
-        self._dispatcher(*arguments)
+                build = _CompiledBuild(self._program, stock=True)
+                self._dispatcher, self._users = build.get(self._root), build.users
+        with explained(self._users):
+            self._dispatcher(*arguments)
 
     def fixed(self) -> Callable[..., None]:
         """The same: Numba looks at the types of every call."""

@@ -37,9 +37,14 @@ _FORBIDDEN: dict[tuple[type[ast.AST], ...], str] = {
     ),
     (ast.With, ast.Yield, ast.YieldFrom, ast.Await): "a kernel is a plain function: returns only",
     (ast.JoinedStr,): "a kernel has no text",
-    (ast.Lambda, ast.ClassDef): "define it outside of the kernel, a function with @kernel",
+    (ast.Lambda, ast.FunctionDef, ast.ClassDef): (
+        "define it outside of the kernel, a function with @kernel"
+    ),
     (ast.Import, ast.ImportFrom): "import outside of the kernel",
 }
+
+#: For names that are not there.
+_NOTHING = object()
 
 #: Tests that may stand in ``if`` and ``while``.
 _WHOLE_TESTS = ("any_lane", "all_lanes")
@@ -68,25 +73,39 @@ def mistakes_in(function: FunctionType) -> list[str]:
     """What no kernel can hold, each with its place and line; nothing where the text is unknown."""
     tree, file, first = _tree(function)
     found = []
-    for node in ast.walk(tree) if tree else ():
+    for node in _inside(tree):
         remedy = next((text for kinds, text in _FORBIDDEN.items() if isinstance(node, kinds)), "")
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "print":
-            remedy = "a kernel does not print: look at the Python twin (compiled=False)"
         if remedy:
             found.append(
                 _told(function.__name__, file, first + getattr(node, "lineno", 1) - 1, remedy)
             )
+    if function.__code__.co_kwonlyargcount:
+        why = "a kernel takes its arguments by position"
+        found.append(_told(function.__name__, file, function.__code__.co_firstlineno, why))
     return found + _unknown_names(function, file)
+
+
+def _inside(tree: ast.AST | None) -> Iterator[ast.AST]:
+    """What is in the body; decorators, defaults and annotations are Python's."""
+    top: Any = getattr(tree, "body", [None])[0]
+    for statement in top.body if isinstance(top, ast.FunctionDef) else ():
+        yield from ast.walk(statement)
 
 
 def _unknown_names(function: FunctionType, file: str) -> list[str]:
     found, line = [], function.__code__.co_firstlineno
     for one in dis.get_instructions(function):
         line = one.positions.lineno or line if one.positions else line
-        if one.opname == "LOAD_GLOBAL" and not (
-            one.argval in function.__globals__ or hasattr(builtins, str(one.argval))
-        ):
+        if one.opname != "LOAD_GLOBAL":
+            continue
+        value = function.__globals__.get(one.argval, getattr(builtins, one.argval, _NOTHING))
+        why = ""
+        if value is _NOTHING:
             why = f'the name "{one.argval}" is not defined'
+        elif value is print:
+            # Without the interpreter's lock it would wait for ever.
+            why = "a kernel does not print: look at the Python twin (compiled=False)"
+        if why:
             found.append(_told(function.__name__, file, line, why))
     return found
 
@@ -95,13 +114,13 @@ def _unknown_names(function: FunctionType, file: str) -> list[str]:
 
 
 @contextmanager
-def explained(texts: dict[str, FunctionType]) -> Iterator[None]:
+def explained(texts: list[FunctionType]) -> Iterator[None]:
     """Tell what Numba does not compile by place, line and remedy.
 
     Parameters
     ----------
-    texts : dict of str to function
-        Users' kernels by name; those of the application are right.
+    texts : list of functions
+        Users' kernels; those of the application are right.
 
     Raises
     ------
@@ -116,22 +135,25 @@ def explained(texts: dict[str, FunctionType]) -> Iterator[None]:
         raise application().error(_explanation(str(error), texts)) from error
 
 
-def _explanation(message: str, texts: dict[str, FunctionType]) -> str:
-    """At most five lines."""
+def _explanation(message: str, texts: list[FunctionType]) -> str:
+    """At most six lines."""
     place = re.search(r'File "([^"]+)", line (\d+)', message)
     reason = _reason(message)
     if place is None:
         return f"a kernel does not compile: {reason}"
     file, line = place[1], int(place[2])
-    mine = [text for text in texts.values() if _holds(text, file, line)]
+    mine = [text for text in texts if _holds(text, file, line)]
     if mine:
-        return _told(mine[0].__name__, _file(mine[0]), line, _remedy(mine[0], line) or reason)
+        guess = _remedy(mine[0], line)
+        # A guess by the line's syntax: unless it is certainly about masks, Numba is heard too.
+        why = f"{guess}\n  (Numba: {reason})" if guess and "mask" not in reason else guess or reason
+        return _told(mine[0].__name__, _file(mine[0]), line, why)
     told = _told("", file, line, reason)
-    called = [name for name in texts if re.search(rf"\b{name}\b", _line(file, line))]
-    suspects = called or sorted(texts)
+    shown = _line(file, line)
+    called = [text for text in texts if re.search(rf"\b{text.__name__}\b", shown)]
+    suspects = [f"{text.__name__} ({_file(text)})" for text in called or texts]
     if suspects:
-        names, where = " or ".join(suspects), _file(texts[suspects[0]])
-        told += f"\n  {names} ({where}) takes or returns what does not fit there"
+        told += f"\n  {' or '.join(suspects)} takes or returns what does not fit there"
     return told
 
 
@@ -233,7 +255,7 @@ def _holds(function: FunctionType, file: str, line: int) -> bool:
 
 
 def _same_file(a: str, b: str) -> bool:
-    return a == b or Path(a).absolute() == Path(b).absolute() or Path(a).name == Path(b).name
+    return a == b or Path(a).absolute() == Path(b).absolute()
 
 
 def _line(file: str, line: int) -> str:

@@ -12,6 +12,7 @@ to the rest of the package.
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,6 +42,8 @@ from numba.core.compiler_machinery import (
 from numba.core.errors import (
     NumbaError,  # whatever keeps a kernel from being compiled
     TypingError,  # what a call template raises where no type fits
+    UnsupportedBytecodeError,  # what the first pass raises; it is no NumbaError
+    UnsupportedError,  # a NumbaError of those who use Numba
 )
 from numba.core.imputils import lower_constant  # how a global of our type becomes LLVM IR
 from numba.core.typed_passes import (
@@ -74,7 +77,7 @@ __all__ = [
 ]  # fmt: skip
 
 #: What Numba raises for a kernel that it does not compile.
-NOT_COMPILED = NumbaError
+NOT_COMPILED = (NumbaError, UnsupportedBytecodeError)
 
 
 def make_struct(context: Any, builder: Any, kind: types.Type, **fields: Any) -> Any:
@@ -373,6 +376,10 @@ def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
     plain = [str(t) for t in packer.argument_types]
     with global_compiler_lock:
         code = compiled.library.object_code()
+    outside = sorted(set(re.findall(rb"\0(numba_\w+)\0", code)))
+    if outside:
+        names = ", ".join(name.decode() for name in outside)
+        raise UnsupportedError(f"functions of Numba are not there when a kernel runs: {names}")
     return ObjectCode(
         described.llvm_func_name,
         tuple("ptr" if t.endswith(("*", "ptr")) else t for t in plain),

@@ -7,7 +7,9 @@ notebook or at the prompt.
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable
+from enum import Enum
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -31,6 +33,10 @@ def digest_of(functions: dict[str, Any]) -> str:
     reader = _Reader({_top(function.__module__) for function in given} - hashed, hashed)
     reader.feed(functions)
     return reader.hash.hexdigest()[:16]
+
+
+#: Where an object is in memory says nothing of it.
+_ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 
 
 class _Reader:
@@ -67,15 +73,24 @@ class _Reader:
         elif isinstance(value, set | frozenset):
             self.word("set", *sorted(map(repr, value)))
         elif isinstance(value, Specialised):
-            self.feed(value.factory)
+            self.function(value.factory, is_text=True)
         elif isinstance(value, FunctionType):
             self.function(value)
         elif isinstance(value, CodeType):
             self.code(value)
+        elif isinstance(value, Vec3):
+            self.word("Vec3")
+            self.feed((value.x, value.y, value.z))
         elif isinstance(value, type):
             self.word("class", value.__qualname__, getattr(value, "_fields", ""))
+            if issubclass(value, Enum):
+                self.items({name: one.value for name, one in value.__members__.items()})
+        elif isinstance(value, ModuleType):
+            self.word("module", value.__name__)  # `globals` reads what is used of it
         else:
-            self.word(type(value).__qualname__, getattr(value, "__name__", ""))
+            self.word(type(value).__qualname__, _ADDRESS.sub("", repr(value)))
+            if hasattr(value, "py_func"):  # Numba's dispatchers
+                self.function(value.py_func, is_text=True)
 
     def items(self, mapping: dict[Any, Any]) -> None:
         self.word("mapping", len(mapping))
@@ -83,9 +98,10 @@ class _Reader:
             self.word(key)
             self.feed(value)
 
-    def function(self, function: FunctionType) -> None:
+    def function(self, function: FunctionType, is_text: bool = False) -> None:
         top = _top(function.__module__)
-        if top in self.packages or (is_kernel(function) and top not in self.hashed):
+        is_text = is_text or is_kernel(function)
+        if top in self.packages or (is_text and top not in self.hashed):
             self.code(function.__code__)
             self.items(dict(sorted(function.__dict__.items())))
             self.feed(function.__defaults__)
@@ -109,9 +125,18 @@ class _Reader:
                 value = function.__globals__[name]
                 self.word(name)
                 self.feed(value)
-                if isinstance(value, ModuleType) and _top(value.__name__) not in self.hashed:
-                    # ``constants.K``: kernel text sees the attribute.
-                    self.items({key: vars(value)[key] for key in names if key in vars(value)})
+                self.attributes(value, names)
+
+    def attributes(self, value: Any, names: list[str], path: tuple[ModuleType, ...] = ()) -> None:
+        """``constants.K``, ``package.constants.K``: kernel text sees the attribute."""
+        if not isinstance(value, ModuleType) or _top(value.__name__) in self.hashed:
+            return
+        if value in path:  # modules may import each other
+            return
+        used = {key: vars(value)[key] for key in names if key in vars(value)}
+        self.items(used)
+        for one in used.values():
+            self.attributes(one, names, (*path, value))
 
 
 class UnreadableError(Exception):
@@ -156,7 +181,7 @@ class _TextReader(_Reader):
         for cell in function.__closure__ or ():
             self.feed(cell.cell_contents)
 
-    def function(self, function: FunctionType) -> None:
+    def function(self, function: FunctionType, is_text: bool = False) -> None:
         if not is_kernel(function):
             raise UnreadableError(function)
         self.kernel(function)
@@ -176,6 +201,8 @@ class _TextReader(_Reader):
             # A record. Kernels see its fields; methods are nothing to them.
             self.word("class", value.__module__, value.__qualname__, getattr(value, "_fields", ""))
             self.feed(getattr(value, "_field_defaults", None))
+            if issubclass(value, Enum):
+                self.items({name: one.value for name, one in value.__members__.items()})
         elif isinstance(value, ModuleType):
             self.word("module", value.__name__)  # `globals` reads what is used of it
         elif isinstance(value, Vec3):

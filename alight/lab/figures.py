@@ -55,7 +55,7 @@ class Figures:
 def _value(metric: MetricModel, pair: Pair, slow: bool) -> float | None:
     if metric.missing() or (metric.SLOW and not slow):
         return None
-    return metric.evaluate(metric.example, pair)
+    return float(metric.evaluate(metric.example, pair))
 
 
 def _mean(values: np.ndarray) -> float:

@@ -17,6 +17,12 @@ def ways() -> tuple[str, ...]:
     return (DIVIDER, DIFFERENCE, *mapped)
 
 
+def label_of_way(way: str) -> str:
+    """What the page calls it."""
+    ours = {DIVIDER: "a divider", DIFFERENCE: "the difference"}
+    return ours.get(way) or METRICS[way].LABEL
+
+
 def waits(way: str) -> str:
     """Why a way has to wait until the picture rests; empty if it need not."""
     metric = METRICS.get(way)

@@ -18,7 +18,7 @@ from alight.outputs.display import Display
 from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
-from alight.view.contrast import DIVIDER, ways
+from alight.view.contrast import DIVIDER, label_of_way, ways
 from alight.view.editor import Editor
 from alight.view.inspection import path_through, why_noisy
 from alight.view.layers import PICTURE, FilmLayers, Layers
@@ -158,7 +158,7 @@ class Session:
             "denoise": self.look.denoised,
             "can_denoise": film is not None and find_spec("pyoidn") is not None,
             "way": self.look.way,
-            "ways": list(ways()),
+            "ways": {way: label_of_way(way) for way in ways()},
             "tone_maps": list(TONE_CURVES),
             "against": self.against is not None,
         }

@@ -43,7 +43,7 @@ def test_comparisons_tell_it_and_draw_its_map(registered):
     np.testing.assert_allclose(one.maps["absolute_error"], 0.125, rtol=1e-5)
     assert "Absolute error" in str(found)
     assert found.to_dict()["absolute_error"] == pytest.approx(0.125)
-    assert found.to_dict()["missing"] == {"flip": "it was not asked for"}
+    assert found.to_dict()["missing"] == {"flip": "slow metrics were not asked for (--no-flip)"}
 
 
 def test_a_limit_can_be_set_to_it(registered):

@@ -24,7 +24,7 @@ UNSURE = "cannot tell"
 DIFFERENT_IF_EXACT = "different, if the other is exact"
 
 #: Why a slow metric is missing where it was not requested.
-NOT_ASKED = "it was not asked for"
+NOT_ASKED = "slow metrics were not asked for (--no-flip)"
 
 
 @dataclass(frozen=True)
@@ -71,9 +71,12 @@ class PictureComparison:
         """What metrics are given."""
         return _pair(self.a, self.b, self.exposure)
 
-    def shown(self) -> dict[str, float]:
-        """What tables tell, by what they call it."""
-        return {label_of(name, self.pair): shown_of(name, v) for name, v in self.errors.items()}
+    def shown(self) -> dict[str, dict[str, Any]]:
+        """What tables tell: label and value, by the metric's name."""
+        return {
+            name: {"label": label_of(name, self.pair), "value": _known(shown_of(name, value))}
+            for name, value in self.errors.items()
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """All numbers, ready for JSON; unknown ones are None."""
@@ -81,7 +84,7 @@ class PictureComparison:
             "a": self.a.name, "b": self.b.name, "width": self.a.size[0], "height": self.a.size[1],
             "mean_a": _means(self.a), "mean_b": _means(self.b),
             **{name: _known(value) for name, value in self.errors.items()},
-            "shown": {label: _known(value) for label, value in self.shown().items()},
+            "shown": self.shown(),
             "missing": self.missing, "epsilon": self.epsilon,
             "noise_mse_a": _known(self.noise_a), "noise_mse_b": _known(self.noise_b),
             "verdict": self.verdict, "notes": self.notes,
@@ -116,11 +119,14 @@ def compare_inputs(
         errors[name] = math.nan
         if why := NOT_ASKED if metric.SLOW and not slow else metric.missing():
             missing[name] = why
-        elif metric.error_map is not None:
+            continue
+        if metric.error_map is not None:
             maps[name] = metric.error_map(metric.example, pair)
-            errors[name] = float(maps[name].mean(dtype=np.float64))
-        else:
-            errors[name] = metric.evaluate(metric.example, pair)
+        # What is slow is worked out once.
+        found = maps.get(name) if metric.SLOW else None
+        errors[name] = float(
+            metric.evaluate(metric.example, pair) if found is None else found.mean(dtype=float)
+        )
     agreement, verdict, notes = _judge(a, b)
     return PictureComparison(
         a, b, exposure, errors, maps, missing, default_epsilon(b.image), _noise(a), _noise(b),

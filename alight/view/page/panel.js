@@ -88,8 +88,6 @@ function showWhite(state) {
   $("label").hidden = !state.denoised || Boolean(state.contrast);
 }
 
-const WAYS = { divider: "a divider", difference: "the difference" };
-const wayLabel = (way) => WAYS[way] ?? way.toUpperCase();
 
 function showContrast(state) {
   const isSplit = state.way === "divider", contrast = state.contrast;
@@ -97,11 +95,11 @@ function showContrast(state) {
   $("no-contrast").hidden = state.against;
   $("of-split").hidden = !state.against || !isSplit;
   $("of-contrast").hidden = !state.against || isSplit;
-  fill($("way"), state.ways, state.way, wayLabel);
+  fill($("way"), Object.keys(state.ways), state.way, (way) => state.ways[way]);
   if (isSplit || !state.against) return;
-  const isMetric = !(state.way in WAYS), told = isMetric ? figure : percent;
+  const isMetric = !["divider", "difference"].includes(state.way), told = isMetric ? figure : percent;
   $("differs").textContent = contrast
-    ? isMetric ? `mean ${wayLabel(state.way)} ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
+    ? isMetric ? `mean ${state.ways[state.way]} ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
     : state.differs ?? "";
   $("contrast-low").textContent = contrast ? told(contrast.low) : "";
   $("contrast-high").textContent = contrast ? told(contrast.high) : "";

@@ -122,7 +122,10 @@ def test_limits_decide_the_exit_code(films):
         (["--fail-above", "relmes=1"], 'unknown figure "relmes"; did you mean "relmse"?'),
         (["--fail-above", "mse=x"], 'must be FIGURE=NUMBER such as relmse=0.01, got "mse=x"'),
         (["--fail-above", "mse=-1"], "must be FIGURE=NUMBER"),
-        (["--fail-above", "flip=1", "--no-flip"], "flip is unknown: it was not asked for"),
+        (
+            ["--fail-above", "flip=1", "--no-flip"],
+            "flip is unknown: slow metrics were not asked for",
+        ),
         (["--output", "x.pgn"], 'unknown suffix ".pgn"; did you mean ".png"?'),
         (["--output", "nowhere/x.npy"], "does not exist"),
         (["--exposure", "1000"], "--exposure: must be a number in [-100, 100], got 1000"),
@@ -142,7 +145,7 @@ def test_black_and_small_pictures_have_no_relative_figures():
     found = compare_inputs(Input("a", picture(4, 4), False), black, slow=False).to_dict()
     assert found["relmse"] is None
     assert found["dssim"] is None
-    assert found["shown"]["SSIM"] is None
+    assert found["shown"]["dssim"] == {"label": "SSIM", "value": None}
     assert found["relmse_literature"] > 0
 
 
