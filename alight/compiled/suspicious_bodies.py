@@ -50,8 +50,8 @@ def _in_fog(flat: FlatScene, bodies: list[PlacedShape]) -> list[str]:
             continue
         for name, (low, high) in boxes:
             if (own[0] >= low).all() and (own[1] <= high).all():
-                text = "scatters light inside, and the medium around it goes on there"
-                found.append(f"{placed.name}: {text}: give it the interior of {name} as exterior")
+                text = "scatters light inside; if the medium of a shape around it goes on there"
+                found.append(f"{placed.name}: {text}, give it the interior of {name} as exterior")
                 break
     return found
 

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from alight.meshes.tessellation import welded
 
+#: A volume of less than this part of a cube with the mesh's diagonal is none.
+FLAT = 1e-8
+
 
 def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
     """The volume that triangles enclose, by Gauss's theorem.
@@ -35,9 +38,13 @@ def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> 
     points = vertices.astype(np.float64)
     points -= points.mean(axis=0)
     a, b, c = (points[faces[:, corner]] for corner in range(3))
-    return float((a * np.cross(b, c)).sum() / 6.0)
+    parts = (a * np.cross(b, c)).sum(axis=1)
+    volume = float(parts.sum() / 6.0)
+    # What is flat encloses nothing, whatever rounding says.
+    largest = float((np.ptp(points, axis=0) ** 2).sum()) ** 1.5
+    return volume if abs(volume) > FLAT * largest else 0.0
 
 
 def is_closed(mesh: Any) -> bool:
-    """Whether the triangles of a mesh, of arrays, enclose a volume."""
-    return enclosed_volume(np.asarray(mesh.vertices), np.asarray(mesh.faces)) != 0.0
+    """Whether the triangles of a mesh, of arrays, enclose a volume and face outwards."""
+    return enclosed_volume(np.asarray(mesh.vertices), np.asarray(mesh.faces)) > 0.0

@@ -19,8 +19,13 @@ SEEN = {
     "helper": ("@kernel\ndef g(x):\n    return x * {k}", "g(1.0)"),
     "default": ("@kernel\ndef g(x, y={k}):\n    return x * y", "g(1.0)"),
     "closure": (
-        "def write(k):\n    @kernel\n    def g(x):\n        return x * k\n    return g\n"
-        "g = write({k})", "g(1.0)",
+        """
+def write(k):
+    @kernel
+    def g(x):
+        return x * k
+    return g
+g = write({k})""", "g(1.0)",
     ),
     "function of Numba": ("import numba\n@numba.njit\ndef g(x):\n    return x * {k}", "g(1.0)"),
     "module": ("import seen_consts", "seen_consts.K"),

@@ -8,6 +8,13 @@ MEDIUM = f"{TESTS}::test_walks_agree_with_a_medium_between_matte_surfaces[slab]"
 
 BODIES = (
     Mutant(
+        "rounding makes a card a body",
+        "meshes/volume.py",
+        (("FLAT = 1e-8", "FLAT = 0.0"),),
+        "tests/meshes/test_volume.py"
+        "::test_a_card_with_two_faces_encloses_nothing_however_it_is_turned",
+    ),
+    Mutant(
         "walks weighted as if all of them were led back",
         "integrators/body_walk.py",
         (("LED * led + (1.0 - LED) * _exponentials(plain)", "led"),),

@@ -8,6 +8,31 @@ FITTING = f"{KEPT}::test_text_is_linked_with_other_callees_only_where_they_fit"
 
 COMPILER = (
     Mutant(
+        "an edited enumeration keeps its machine code",
+        "source_digest.py",
+        (
+            (
+                "            if issubclass(value, Enum):\n                self.items({name: one.value "
+                "for name, one in value.__members__.items()})\n        elif isinstance(value, ModuleType"
+                '):\n            self.word("module", value.__name__)  # `globals` reads what is used of '
+                "it\n        else:\n            self.word(type(value)",
+                '        elif isinstance(value, ModuleType):\n            self.word("module", '
+                "value.__name__)\n        else:\n            self.word(type(value)",
+            ),
+        ),
+        "tests/lanewise/test_source_digest.py"
+        "::test_a_digest_changes_with_what_the_kernel_sees[enumeration]",
+        "lanewise",
+    ),
+    Mutant(
+        "constants of nested modules are not read",
+        "source_digest.py",
+        (("            self.attributes(one, names, (*path, value))", "            pass"),),
+        "tests/lanewise/test_source_digest.py"
+        "::test_a_digest_changes_with_what_the_kernel_sees[module in a package]",
+        "lanewise",
+    ),
+    Mutant(
         "kernels that raise are let pass",
         "kernel_text.py",
         (("(ast.Raise, ast.Assert, ast.Try)", "(ast.Assert, ast.Try)"),),

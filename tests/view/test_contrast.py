@@ -81,7 +81,7 @@ def test_flip_is_that_of_the_metric(looked_at):
     session.apply(protocol.Contrast("flip"))
     wait_for(lambda: "contrast" in viewer.state, 60)
     assert viewer.state["contrast"]["mean"] == pytest.approx(flip(one, other).mean)
-    assert viewer.state["ways"] == list(ways())
+    assert list(viewer.state["ways"]) == list(ways())
 
 
 def test_both_pictures_are_shown_and_how_they_differ(looked_at):

@@ -12,6 +12,7 @@ import math
 from typing import Any
 
 from alight.formats.gltf.values import Item
+from alight.formats.surfaces import index_of, reflectance
 
 Data = dict[str, Any]
 TRANSLUCENT, SCATTERING = "KHR_materials_diffuse_transmission", "KHR_materials_volume_scatter"
@@ -50,7 +51,7 @@ def body_of(item: Item, core: Data, opacity: Any) -> Data | None:
     if scattering.number("scatterAnisotropy", 0.0, -1.0, 1.0) != 0.0:
         text = f"{item.pointer}: scatterAnisotropy: light is scattered alike to all sides"
         item.report.approximate(text)
-    distance = volume.number("attenuationDistance", math.inf, 1e-9)
+    distance = volume.number("attenuationDistance", 1e9, 1e-9)
     attenuation = volume.numbers("attenuationColor", (1.0, 1.0, 1.0), 0.0, 1.0)
     radius = [
         min(distance, 1e9) / -math.log(min(max(part, 1e-6), CLEAREST)) for part in attenuation
@@ -59,11 +60,19 @@ def body_of(item: Item, core: Data, opacity: Any) -> Data | None:
     if not isinstance(roughness, float):
         roughness = 0.5
         item.report.approximate(f"{item.pointer}: the roughness of a body must not vary: 0.5 it is")
+    ior, specular = core.get("ior", 1.5), core.get("specular", 1.0)
+    if not isinstance(specular, float):
+        text = "the reflection of a body has one strength: that of its index is taken"
+        item.report.approximate(f"{item.pointer}: {text}")
+    elif specular != 1.0:
+        ior = index_of(specular * reflectance(ior))
+    if list(core.get("specular_color", [1.0] * 3)) != [1.0] * 3:
+        item.report.approximate(f"{item.pointer}: the colour of a body's reflection is left out")
     return {
         "type": "subsurface",
         "color": list(color),
         "radius": radius,
-        "ior": core.get("ior", 1.5),
+        "ior": ior,
         "roughness": roughness,
     }
 

@@ -285,8 +285,8 @@ class Graph(ModelScene):
             self._surfaces[id(shape)] = material
             closed = material.inside is not None and is_closed(shape)
             if material.inside is not None and not closed:
-                text = f"{primitive.pointer}: is open, so no light is scattered below its surface"
-                self.report.approximate(text)
+                text = "is open or inside out, so no light is scattered below its surface"
+                self.report.approximate(f"{primitive.pointer}: {text}")
             parts[f"primitive {number}"] = {
                 "shape": shape,
                 "bsdf": self._bsdf(index, channels, closed),

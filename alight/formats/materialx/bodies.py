@@ -12,8 +12,8 @@ from alight.formats.materialx.shading import Data, Shading, is_one, is_zero
 from alight.formats.materialx.values import Plain, Value, Varying
 from alight.formats.surfaces import index_of, reflectance
 
-#: The least radius, metres.
-LEAST_RADIUS = 1e-9
+#: The least and the largest radius, metres.
+LEAST_RADIUS, MOST_RADIUS = 1e-12, 1e9
 DIFFUSE = "subsurface: no light wanders below the surface; its colour is diffuse"
 
 
@@ -53,7 +53,10 @@ def body_of(s: Shading, below: Below, opacity: Any, thin: bool) -> Data | None:
     if not alone or isinstance(radius, Varying) or isinstance(scale, Varying):
         s.say(DIFFUSE)
         return None
-    free = [max(a * b, LEAST_RADIUS) for a, b in zip(_three(radius), _three(scale), strict=True)]
+    free = [
+        min(max(s.meters * a * b, LEAST_RADIUS), MOST_RADIUS)
+        for a, b in zip(_three(radius), _three(scale), strict=True)
+    ]
     ior = below.ior
     if isinstance(below.specular, Varying):
         s.say("the reflection of a body has one strength: that of its index is taken")
@@ -71,7 +74,7 @@ def body_of(s: Shading, below: Below, opacity: Any, thin: bool) -> Data | None:
     return {
         "type": "subsurface",
         "color": s.color("subsurface_color", below.color),
-        "radius": [s.meters * channel for channel in free],
+        "radius": free,
         "ior": ior,
         "roughness": roughness,
     }

@@ -208,15 +208,16 @@ class Graph(ModelScene):
 
     def _curves(self, prim: Any, to_world: Matrix) -> Data | None:
         self.stage.report.count("curves")
-        shape = read_curves(self.stage, prim)
-        if shape is None:
+        if (shape := read_curves(self.stage, prim)) is None:
             return None
         self.bounds.add(shape, to_world)
         bsdf, material = self._material_of(prim, prim)
-        colored = with_mean_color(self.stage, prim, material)
-        if colored is not None:
+        if (colored := with_mean_color(self.stage, prim, material)) is not None:
             material = colored
             bsdf = self._bsdf_name(("curves", str(prim.GetPath())), material, None, prim)
+        if material.inside is not None:
+            text = f"{prim.GetPath()}: curves are open: no light is scattered below their surface"
+            self.stage.report.approximate(text)
         return self._shining({"shape": shape, "bsdf": bsdf}, material, to_world)
 
     def _mesh(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
@@ -272,10 +273,10 @@ class Graph(ModelScene):
 
     def _body(self, prim: Any, shape: Data | Mesh, material: Surface) -> tuple[str, Surface]:
         """What a material is that scatters light inside, by whether the shape has an inside."""
-        closed = not isinstance(shape, Mesh) or is_closed(shape)
+        closed = is_closed(shape) if isinstance(shape, Mesh) else shape["type"] != "rectangle"
         if not closed:
-            text = "an open mesh, so no light is scattered below its surface"
-            self.stage.report.approximate(f"{prim.GetPath()}: {text}")
+            text = f"{prim.GetPath()}: open or inside out: no light is scattered below its surface"
+            self.stage.report.approximate(text)
         material = material.on(closed)
         return self._bsdf_name(("body", str(prim.GetPath())), material, None, prim), material
 

@@ -72,7 +72,7 @@ def test_what_is_more_than_a_body_is_none(keys, tmp_path):
 def test_open_meshes_have_no_inside(tmp_path):
     found, said = look(tmp_path, faces=SIDES[3:])
     assert found.type_name() == "two_sided"
-    assert "is open, so no light is scattered below its surface" in said
+    assert "is open or inside out, so no light is scattered below its surface" in said
 
 
 def test_scattering_to_some_sides_is_told(tmp_path):
@@ -80,3 +80,27 @@ def test_scattering_to_some_sides_is_told(tmp_path):
     found, said = look(tmp_path, extensions={"KHR_materials_volume_scatter": scattering})
     assert found.color == (1.0, 1.0, 1.0)
     assert "scatterAnisotropy" in said
+
+
+def test_a_volume_without_a_distance_is_clear_of_attenuation(tmp_path):
+    """Its default is infinite: light comes as far as it likes."""
+    found, _ = look(tmp_path, extensions={"KHR_materials_volume": {}})
+    assert found.type_name() == "subsurface"
+    assert min(found.radius) > 1e8
+
+
+def test_a_mesh_that_faces_inwards_has_no_inside(tmp_path):
+    """It would be black: files have no key to turn it over."""
+    found, said = look(tmp_path, faces=SIDES[::-1].copy())
+    assert found.type_name() != "subsurface"
+    assert "is open or inside out" in said
+
+
+def test_the_strength_of_the_reflection_is_in_the_index(tmp_path):
+    found, said = look(tmp_path, extensions={"KHR_materials_specular": {"specularFactor": 0}})
+    assert found.ior == pytest.approx(1.0, abs=1e-3)
+    _, said = look(
+        tmp_path,
+        extensions={"KHR_materials_specular": {"specularColorFactor": [1, 0.5, 0]}},
+    )
+    assert "the colour of a body's reflection is left out" in said

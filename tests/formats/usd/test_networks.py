@@ -212,4 +212,4 @@ def test_light_is_scattered_inside_of_closed_shapes_only(tmp_path):
     looks = {path: scene.bsdfs[node.bsdf] for path, _, node in scene.walk() if node.shape}
     assert looks["world/ball"].radius == pytest.approx((0.01, 0.005, 0.0025))
     assert looks["world/wall"].type_name() == "two_sided"
-    assert any("/wall: an open mesh" in text for text in scene.source.remarks.warnings)
+    assert any("/wall: open or inside out" in text for text in scene.source.remarks.warnings)
