@@ -83,14 +83,18 @@ class _Reader:
             self.feed((value.x, value.y, value.z))
         elif isinstance(value, type):
             self.word("class", value.__qualname__, getattr(value, "_fields", ""))
-            if issubclass(value, Enum):
-                self.items({name: one.value for name, one in value.__members__.items()})
+            self.members(value)
         elif isinstance(value, ModuleType):
             self.word("module", value.__name__)  # `globals` reads what is used of it
         else:
             self.word(type(value).__qualname__, _ADDRESS.sub("", repr(value)))
             if hasattr(value, "py_func"):  # Numba's dispatchers
                 self.function(value.py_func, is_text=True)
+
+    def members(self, kind: type) -> None:
+        """What kernels see of an enumeration."""
+        if issubclass(kind, Enum):
+            self.items({name: one.value for name, one in kind.__members__.items()})
 
     def items(self, mapping: dict[Any, Any]) -> None:
         self.word("mapping", len(mapping))
@@ -201,8 +205,7 @@ class _TextReader(_Reader):
             # A record. Kernels see its fields; methods are nothing to them.
             self.word("class", value.__module__, value.__qualname__, getattr(value, "_fields", ""))
             self.feed(getattr(value, "_field_defaults", None))
-            if issubclass(value, Enum):
-                self.items({name: one.value for name, one in value.__members__.items()})
+            self.members(value)
         elif isinstance(value, ModuleType):
             self.word("module", value.__name__)  # `globals` reads what is used of it
         elif isinstance(value, Vec3):
