@@ -7,7 +7,7 @@ and water too, and know where light is that no camera path would ever meet.
 from __future__ import annotations
 
 from alight.core.equal_area import sphere_to_square
-from alight.core.vec import gather_vec3, max_component, min_component
+from alight.core.vec import gather_vec3, length, max_component, min_component
 from alight.guiding.lookup import direction_density, place_at, within_box
 from alight.guiding.parallax import from_middle
 from alight.guiding.records import (
@@ -96,6 +96,10 @@ def add_arrivals(guide, log, totals, unit):
         flux = where(active, flux, 0.0)
         leaf, focus = found = place_at(guide, p)
         sharp = flux * minimum(direction_density(guide, found, w, active), DENSEST)
+        near = minimum(near, SHORTEST / size)
+        # The middle's way to where light comes from: the sphere's radius.
+        moved = focus.r > 0.0
+        near = where(moved, near / length(focus.o * near + w), near)
         w, _ = from_middle(focus, w)
         x, y = sphere_to_square(w)
         _, side = cell_of(guide, leaf, x, y, active)

@@ -269,7 +269,8 @@ class Tree:
         """(leaves,): harmonic mean of the ways of a round's light, in metres, 0 from afar."""
         flux, near = totals.near.shaped.T.astype(np.float64)
         radius = np.where(near > 0.0, extent.max() * flux / np.where(near > 0.0, near, 1.0), 0.0)
-        # A sphere must hold the whole leaf. What comes from afar has no parallax.
+        # A sphere holds the leaf that it is made for; points of a later one may lie outside, and
+        # keep their directions. What comes from afar has no parallax.
         size = np.linalg.norm(self._sizes() * extent, axis=1)
         return np.maximum(radius, size / NEAR) * (radius > 0.0) * (radius < FAR * size)
 

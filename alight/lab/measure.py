@@ -23,7 +23,7 @@ from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
 from alight.rendering.tile_kernel import Tile
 from alight.rendering.tiles import tiles_of
-from alight.rendering.training import is_to_be_guided, samples_in, trained, untrained
+from alight.rendering.training import is_to_be_guided, length_of, trained, untrained
 
 
 class Rung(NamedTuple):
@@ -106,8 +106,8 @@ def made_ready(
     """
     if not is_to_be_guided(scene):
         return scene, kernels, 0.0
-    samples = samples_in(scene, spp)
-    scene, training = trained(scene, seed=seed, threads=max(threads, 1), samples=samples)
+    length = length_of(scene, spp)
+    scene, training = trained(scene, seed=seed, threads=max(threads, 1), length=length)
     return scene, kernels if training.used else compiled_kernels(scene), training.cpu_seconds
 
 

@@ -31,7 +31,7 @@ from alight.rendering.passes import Pace
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedule import Schedule
 from alight.rendering.schedules import planned_spp, schedule_of, time_limit_of
-from alight.rendering.training import is_to_be_guided, samples_in, trained
+from alight.rendering.training import is_to_be_guided, length_of, trained
 from alight.scene import FlatScene, Scene
 
 #: Seconds between two reports of progress.
@@ -79,7 +79,7 @@ def make_job(
     threads: int | None,
     replicates: int | None,
     aovs: Sequence[str],
-    planned: int | None = None,
+    planned: tuple[int | None, bool] = (None, False),
     again: Mapping[str, Any] | None = None,
 ) -> Job:
     """Compile a scene for a job; for the rest see `job_of`."""
@@ -100,7 +100,7 @@ def job_of(
     seed: int,
     threads: int,
     replicates: int | None,
-    planned: int | None = None,
+    planned: tuple[int | None, bool] = (None, False),
     again: Mapping[str, Any] | None = None,
 ) -> Job:
     """Make the job of a scene that is compiled already, and train its guide if it has one.
@@ -109,8 +109,8 @@ def job_of(
     ----------
     flat, compiled, schedule, clock, seed, threads, replicates
         As of `Job`.
-    planned : int, optional
-        Samples per pixel of the whole render; None if nobody knows.
+    planned : (int or None, bool)
+        Samples per pixel of the whole render, if anybody knows, and whether that is a limit.
     again : mapping, optional
         Options of the film that goes on.
     """
@@ -120,7 +120,7 @@ def job_of(
     if is_to_be_guided(compiled):
         compiled, training = trained(
             compiled, seed=seed, threads=threads, again=again,
-            samples=samples_in(compiled, planned),
+            length=length_of(compiled, *planned),
         )  # fmt: skip
         clock.lap("training")
     replicates = replicates or flat.film.replicates

@@ -199,12 +199,14 @@ def _check_machine(saved: Checkpoint) -> None:
 
 
 def _check_tables(saved: Checkpoint, job: Job) -> None:
-    """Refuse a scene that comes out with other bits, though its text is the same."""
+    """Refuse a scene or a guide that comes out with other bits, though its text is the same."""
     if job.film.options.get(TABLES) != saved.state.rounds[0].options.get(TABLES):
         raise FilmError(
             f"cannot resume {saved.path}: NumPy gives the tables of its scene other bits here\n"
             f"its picture is whole: alight merge {saved.path} -o picture.exr"
         )
+    if job.film.options.get("guide") != saved.state.rounds[0].options.get("guide"):
+        raise FilmError(f"cannot resume {saved.path}: its guide comes out otherwise here")
 
 
 def _load_scene(

@@ -68,20 +68,29 @@ def schedule_of(options: RenderOptions, own_spp: int | None) -> Schedule:
     return whole if options.part is None else part_of(whole, *options.part)
 
 
-def planned_spp(options: RenderOptions, own_spp: int | None) -> int | None:
-    """Samples per pixel that the options ask for, in all parts; None if something else decides.
+def planned_spp(options: RenderOptions, own_spp: int | None) -> tuple[int | None, bool]:
+    """Samples per pixel that the options ask for, in all parts.
 
     Parameters
     ----------
     options : RenderOptions
     own_spp : int or None
         Samples per pixel that the scene's file asks for.
+
+    Returns
+    -------
+    int or None
+        None if something else decides.
+    bool
+        Whether that is a limit only, and the render may end before.
     """
     if options.schedule is not None:
-        return None
+        return None, False
     if options.criterion == "cycles" or options.error is not None:
-        return options.max_spp or options.spp
-    return options.spp or (None if time_limit_of(options) else own_spp or SPP)
+        return options.max_spp or options.spp, True
+    if time_limit_of(options):
+        return options.spp, True
+    return options.spp or own_spp or SPP, False
 
 
 def part_of(whole: Uniform, number: int, parts: int) -> Uniform:

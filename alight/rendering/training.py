@@ -11,7 +11,6 @@ guide of its film again.
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -23,7 +22,7 @@ from alight.guiding.tables import GUIDED, Guide
 from alight.guiding.tree import Tree
 from alight.lights.tables import LightTables
 from alight.rendering.trainer import EVERYWHERE, Trainer, framed
-from alight.rendering.training_plan import ROUNDS, TrainingPlan
+from alight.rendering.training_plan import ROUNDS, UNKNOWN, Length, TrainingPlan
 from lanewise.view import View
 
 
@@ -112,10 +111,19 @@ def untrained(scene: CompiledScene) -> CompiledScene:
     return with_guide(scene, Tree.new().guide(frame))
 
 
-def samples_in(scene: CompiledScene, spp: int | None) -> float:
-    """Samples of all pixels of the scene's picture together; infinite where nobody knows."""
-    width, height = scene.crop[2:] if scene.crop else scene.size
-    return float(width * height * spp) if spp else math.inf
+def length_of(scene: CompiledScene, spp: int | None, is_limit: bool = False) -> Length:
+    """How long a scene's picture is; a crop is as long as the whole, whose bits it has.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    spp : int or None
+        Samples per pixel; None where nobody knows.
+    is_limit : bool
+        Whether it may have fewer.
+    """
+    width, height = scene.size
+    return Length(float(width * height * spp), is_limit) if spp else UNKNOWN
 
 
 def trained(
@@ -124,7 +132,7 @@ def trained(
     seed: int,
     threads: int,
     rounds: int = ROUNDS,
-    samples: float = math.inf,
+    length: Length = UNKNOWN,
     again: Mapping[str, Any] | None = None,
 ) -> tuple[CompiledScene, Training]:
     """Train a guide for a scene that asks for one.
@@ -138,8 +146,8 @@ def trained(
         They do not change the guide.
     rounds : int
         To be run, where the scene does not leave the choice (`TrainingPlan`).
-    samples : float, optional
-        Of all pixels of the whole picture together; infinite where nobody knows.
+    length : Length, optional
+        Of the picture.
     again : mapping, optional
         `Training.identity` of a guide that is to be made again.
 
@@ -154,7 +162,7 @@ def trained(
     if again:
         chooses, rounds = again["guide"] == NONE, int(again.get("guide_rounds", ROUNDS))
     width, height = scene.small_view.size
-    plan = TrainingPlan(rounds, chooses, samples, width * height)
+    plan = TrainingPlan(rounds, chooses, length, width * height)
     if (again and chooses) or not plan.begins:
         return without_guide(scene), Training.left_out()
     trainer = Trainer(untrained(scene), threads)

@@ -83,11 +83,12 @@ class Movable:
             Samples per pixel in place of what the options say.
         """
         flat, compiled = self._seen_from(pose)
-        schedule = schedule_of(self.options, self.scene.source.remarks.spp)
+        own = self.scene.source.remarks.spp
+        schedule = schedule_of(self.options, own)
         job = job_of(
             flat, compiled, schedule if spp is None else schedule.extended(spp), Clock(),
             seed=self.options.seed, threads=self.threads, replicates=self.options.replicates,
-            planned=spp or planned_spp(self.options, self.scene.source.remarks.spp),
+            planned=(spp, False) if spp else planned_spp(self.options, own),
         )  # fmt: skip
         job.time_limit = time_limit_of(self.options)
         return job

@@ -167,8 +167,14 @@ def test_sums_of_arrivals_are_those_of_their_leaves(compiled):
     few = np.bincount(leaf, sharp, len(tree.roots))
     # Beside the border of a quadrant a rounding may choose the other one.
     assert totals.near.shaped[:, 0] == pytest.approx(few, rel=2e-3, abs=30)
+    # From the middle of a leaf with a sphere, from the record itself in others.
+    way, middle = 1.0 / np.maximum(rows[inside, 7], 1e-9), tree.focus[leaf, :3]
+    source = rows[inside, :3] + way[:, None] * rows[inside, 3:6]
+    has_sphere = focus_at(guide, leaf, p).r > 0.0
+    assert 0.2 < has_sphere.mean() < 0.95
+    far = np.where(has_sphere, np.linalg.norm(source - middle, axis=1), way)
     # The box is 4 m long.
-    near = np.bincount(leaf, sharp * rows[inside, 7] * 4.0, len(tree.roots))
+    near = np.bincount(leaf, sharp * np.minimum(4.0 / far, 1000.0), len(tree.roots))
     assert totals.near.shaped[:, 1] == pytest.approx(near, rel=2e-3, abs=30)
     by_leaf = np.bincount(tree.leaf, totals.lit.shaped.sum(1), len(tree.roots))
     # Each of a record's quarters is a whole number.

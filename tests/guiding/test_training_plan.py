@@ -1,14 +1,16 @@
 """How long a guide is trained where the scene leaves the choice."""
 
-import math
-
 import numpy as np
 import pytest
 
 import alight
+from alight.compiled.scene import compile_scene
+from alight.guiding.tree import Tree
 from alight.options.render import RenderOptions
 from alight.rendering import training_plan
 from alight.rendering.schedules import planned_spp
+from alight.rendering.trainer import Trainer
+from alight.rendering.training import untrained
 from alight.rendering.training_plan import (
     COST,
     FIRST_GATE,
@@ -19,9 +21,11 @@ from alight.rendering.training_plan import (
     MOST_SPENT_LONG,
     MOST_SPENT_WELL,
     ROUNDS,
+    Length,
     Step,
     TrainingPlan,
 )
+from alight.scene import flatten
 from tests.guiding.test_gain import GLOBE, scene_with
 
 PIXELS = 2**14
@@ -35,14 +39,14 @@ def rounds_of(plan, gains):
     while step is Step.GO_ON:
         step = plan.step(number, gains[number])
         number += 1
-    return number, COST * PIXELS * (2**number - 1) / plan.samples, step
+    return number, COST * PIXELS * (2**number - 1) / plan.length.samples, step
 
 
 def test_a_guide_that_never_pays_costs_little():
     """Whatever it seems to be worth below that; one that pays may cost half of the picture."""
     rng, seen = np.random.default_rng(1), set()
     for samples in np.exp(rng.uniform(np.log(1e5), np.log(1e10), 400)):
-        plan = TrainingPlan(ROUNDS, True, samples, PIXELS)
+        plan = TrainingPlan(ROUNDS, True, Length(samples), PIXELS)
         rounds, cost, step = rounds_of(plan, rng.uniform(0.5, LEAST_GAIN, ROUNDS))
         assert step is Step.GIVE_UP
         assert cost <= MOST_SPENT
@@ -71,21 +75,32 @@ def test_a_guide_that_never_pays_costs_little():
 def test_gates_rise(gains, rounds, step):
     """Where nobody knows how long the render is."""
     assert sorted(GATES.values()) == list(GATES.values())
-    plan = TrainingPlan(ROUNDS, True, math.inf, PIXELS)
+    plan = TrainingPlan(ROUNDS, True, Length(), PIXELS)
     assert rounds_of(plan, gains)[::2] == (rounds, step)
-    assert rounds_of(TrainingPlan(ROUNDS, False, 1.0, PIXELS), gains)[::2] == (ROUNDS, Step.USE)
+    assert rounds_of(TrainingPlan(ROUNDS, False, Length(1.0), PIXELS), gains)[::2] == (
+        ROUNDS,
+        Step.USE,
+    )
+
+
+def test_a_limit_makes_no_training_longer():
+    """The picture may end long before it."""
+    gains = np.full(MOST_ROUNDS, LEAST_GAIN)
+    for limit, rounds in ((Length(1e12), MOST_ROUNDS), (Length(1e12, True), ROUNDS)):
+        assert rounds_of(TrainingPlan(ROUNDS, True, limit, PIXELS), gains)[0] == rounds
+    assert not TrainingPlan(ROUNDS, True, Length(1e6, True), PIXELS).begins
 
 
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        ({}, 32),
-        ({"spp": 8}, 8),
-        ({"spp": 8, "part": (2, 4)}, 8),
-        ({"spp": 8, "time_limit": 5}, 8),
-        ({"time_limit": 5}, None),
-        ({"error": 0.1}, None),
-        ({"error": 0.1, "max_spp": 9}, 9),
+        ({}, (32, False)),
+        ({"spp": 8}, (8, False)),
+        ({"spp": 8, "part": (2, 4)}, (8, False)),
+        ({"spp": 8, "time_limit": 5}, (8, True)),
+        ({"time_limit": 5}, (None, True)),
+        ({"error": 0.1}, (None, True)),
+        ({"error": 0.1, "max_spp": 9}, (9, True)),
     ],
 )
 def test_parts_plan_with_the_whole_render(options, expected):
@@ -105,3 +120,42 @@ def test_a_render_that_goes_on_keeps_its_guide(tmp_path, monkeypatch):
     rest = alight.resume(str(path), scene=scene, spp=16, threads=1)
     assert rest.options["guide"] == half.options["guide"] != "none"
     assert rest.stats["guide"]["rounds"] == half.options["guide_rounds"] < ROUNDS
+
+
+@pytest.mark.parametrize("cost", [3e-4, 1.0], ids=["a guide", "none"])
+def test_a_crop_has_the_guide_of_the_whole(cost, monkeypatch):
+    """So it has the bits of the cut-out, whatever its own number of samples."""
+    scene = scene_with(GLOBE, max_depth=4)
+    monkeypatch.setattr(training_plan, "COST", cost)
+    monkeypatch.setattr(training_plan, "MOST_SPENT_WELL", 0.08)
+    whole, crop = (
+        alight.render(scene, spp=8, seed=3, threads=1, crop=window)
+        for window in (None, (8, 8, 8, 8))
+    )
+    assert crop.options["guide"] == whole.options["guide"]
+    assert (crop.options["guide"] == "none") == (cost == 1.0)
+    np.testing.assert_array_equal(crop.image, whole.image[8:16, 8:16])
+
+
+def test_a_film_without_a_guide_gets_none_when_it_goes_on(tmp_path, monkeypatch):
+    """Even where the longer picture would be worth training: its first samples had none."""
+    scene = scene_with(GLOBE, max_depth=4)
+    path = tmp_path / "half.ckpt"
+    half = alight.render(scene, spp=8, seed=3, threads=1, checkpoint=str(path))
+    assert half.options["guide"] == "none"
+    monkeypatch.setattr(training_plan, "COST", 1e-6)
+    rest = alight.resume(str(path), scene=scene, spp=16, threads=1)
+    off = scene_with(GLOBE, max_depth=4, guiding="off")
+    plain = alight.render(off, spp=16, seed=3, threads=1)
+    assert rest.options["guide"] == "none"
+    np.testing.assert_array_equal(rest.sums, plain.sums)
+
+
+@pytest.mark.parametrize(("rounds", "times"), [(3, 0), (5, 1)])
+def test_leaves_look_for_light_a_second_time_once(rounds, times, monkeypatch):
+    called = []
+    refocused = Tree.refocused
+    monkeypatch.setattr(Tree, "refocused", lambda *given: called.append(given) or refocused(*given))
+    compiled = compile_scene(flatten(scene_with(GLOBE, max_depth=4, guiding="on")))
+    Trainer(untrained(compiled), 1).train(3, TrainingPlan(rounds))
+    assert len(called) == times

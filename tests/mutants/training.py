@@ -8,6 +8,45 @@ TREE = "tests/guiding/test_tree.py"
 
 TRAINING = (
     Mutant(
+        "a crop that plans by its own pixels",
+        "rendering/training.py",
+        (
+            (
+                "    width, height = scene.size\n    return Length",
+                "    width, height = (scene.crop or scene.size)[-2:]\n    return Length",
+            ),
+        ),
+        f"{PLAN}::test_a_crop_has_the_guide_of_the_whole[a guide]",
+    ),
+    Mutant(
+        "leaves do not look a second time",
+        "rendering/trainer.py",
+        (("elif number == REFOCUS_ROUND:", "elif number == -1:"),),
+        f"{PLAN}::test_leaves_look_for_light_a_second_time_once[5-1]",
+    ),
+    Mutant(
+        "ways measured from the point, not the middle",
+        "guiding/light_records.py",
+        (
+            (
+                "near = where(moved, near / length(focus.o * near + w), near)",
+                "near = where(moved, near, near)",
+            ),
+        ),
+        f"{LIGHT}::test_sums_of_arrivals_are_those_of_their_leaves[False]",
+    ),
+    Mutant(
+        "a limit that makes training longer",
+        "rendering/training_plan.py",
+        (
+            (
+                "is_long = math.isfinite(samples) and not is_limit",
+                "is_long = math.isfinite(samples)",
+            ),
+        ),
+        f"{PLAN}::test_a_limit_makes_no_training_longer",
+    ),
+    Mutant(
         "a guide that is used whatever it is worth",
         "rendering/training_plan.py",
         (("if gain >= LEAST_GAIN:", "if True:"),),
@@ -46,8 +85,8 @@ TRAINING = (
         "rendering/schedules.py",
         (
             (
-                "    return options.spp or (None if",
-                "    return (options.spp or 0) // (options.part or (1, 1))[1] or (None if",
+                "    return options.spp or own_spp or SPP, False",
+                "    return (options.spp or 0) // (options.part or (1, 1))[1] or own_spp, False",
             ),
         ),
         f"{PLAN}::test_parts_plan_with_the_whole_render",
