@@ -151,7 +151,9 @@ def _explanation(message: str, texts: list[FunctionType]) -> str:
     told = _told("", file, line, reason)
     shown = _line(file, line)
     called = [text for text in texts if re.search(rf"\b{text.__name__}\b", shown)]
-    suspects = [f"{text.__name__} ({_file(text)})" for text in called or texts]
+    # Kernels that are written by a program have no file.
+    written = [text for text in called or texts if not _file(text).startswith("<")]
+    suspects = [f"{text.__name__} ({_file(text)})" for text in written]
     if suspects:
         told += f"\n  {' or '.join(suspects)} takes or returns what does not fit there"
     return told
@@ -161,7 +163,9 @@ def _reason(message: str) -> str:
     """What Numba says, without where it was looking."""
     lines = [line.strip() for line in message.splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith("Failed in ")]
-    own = re.compile(r"(?:\w*Error: )(?!No implementation|can't resolve)(.*)")
+    own = re.compile(
+        r"(?:\w*Error: )(?!No implementation|can't resolve|All arguments must be Sets)(.*)"
+    )
     specific = next((found[1] for line in lines if (found := own.match(line))), "")
     call = next((line for line in lines if line.startswith(">>> ")), "")
     if specific or call:
@@ -255,7 +259,7 @@ def _holds(function: FunctionType, file: str, line: int) -> bool:
 
 
 def _same_file(a: str, b: str) -> bool:
-    return a == b or Path(a).absolute() == Path(b).absolute()
+    return a == b or Path(a).resolve() == Path(b).resolve()
 
 
 def _line(file: str, line: int) -> str:

@@ -8,7 +8,8 @@ import typer
 
 from alight.cli.progress import Bar
 from alight.cli.reporting import INTERRUPTED, warn
-from alight.cli.words import Quiet
+from alight.cli.words import Quiet, takes_words
+from alight.options.scene import SceneOptions
 
 if TYPE_CHECKING:
     from alight.lab.warm import WarmProgress
@@ -17,7 +18,9 @@ if TYPE_CHECKING:
 _NOT_ALL = 1
 
 
+@takes_words(SceneOptions)
 def warm(
+    options: SceneOptions,
     scenes: Annotated[
         list[str] | None,
         typer.Argument(
@@ -40,9 +43,8 @@ def warm(
 
     with WarmBar(quiet) as bar:
         try:
-            done = compile_all(
-                scenes or (), processes=processes or min(4, usable_processors()), progress=bar
-            )
+            count = processes or min(4, usable_processors())
+            done = compile_all(scenes or (), options, processes=count, progress=bar)
         except KeyboardInterrupt:
             typer.echo("stopped; what was compiled is kept", err=True)
             raise typer.Exit(INTERRUPTED) from None

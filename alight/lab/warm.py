@@ -29,8 +29,11 @@ from alight.core.spec import (
     Spec,
     Texture,
 )
-from alight.formats import builtin_names, load
+from alight.formats import builtin_names
 from alight.lab.measure import compiled_kernels
+from alight.options.loading import scene_of
+from alight.options.plugins import load_plugins
+from alight.options.scene import SceneOptions
 from alight.scene import FilmSettings, Node, Scene, flatten, translate
 
 S = TypeVar("S", bound=Spec)
@@ -71,6 +74,7 @@ class Warmed(NamedTuple):
 
 def warm(
     names: Sequence[str] = (),
+    options: SceneOptions | None = None,
     *,
     processes: int = 1,
     progress: Callable[[WarmProgress], None] | None = None,
@@ -81,6 +85,8 @@ def warm(
     ----------
     names : sequence of str
         Scene files, or names of built-in scenes; all built-in scenes and all models by default.
+    options : SceneOptions, optional
+        How the named scenes are loaded; models of its scripts are among all models.
     processes : int, default 1
         That compile at the same time.
     progress : callable, optional
@@ -91,15 +97,16 @@ def warm(
     AlightError
         If one of the named scenes cannot be loaded; nothing is compiled then.
     """
-    begin = time.perf_counter()
+    begin, options = time.perf_counter(), options or SceneOptions()
+    load_plugins(options.plugins)
     for name in names:
-        load(name)
+        scene_of(name, options)
     jobs = list(names) or [*builtin_names(), *_models()]
     failures: dict[str, str] = {}
     # What all of them share is compiled once, before they begin together.
-    results = _compiled(jobs[:1], 1)
+    results = _compiled(jobs[:1], options, 1)
     done = 0
-    for part in (results, _compiled(jobs[1:], processes)):
+    for part in (results, _compiled(jobs[1:], options, processes)):
         for job, problem in part:
             done += 1
             if problem:
@@ -109,13 +116,16 @@ def warm(
     return Warmed(done, time.perf_counter() - begin, failures)
 
 
-def _compiled(jobs: Sequence[str], processes: int) -> Iterator[tuple[str, str]]:
+def _compiled(
+    jobs: Sequence[str], options: SceneOptions, processes: int
+) -> Iterator[tuple[str, str]]:
     """Each job when it is done, and what was wrong with it."""
     if processes == 1 or len(jobs) < 2:
-        yield from ((job, compile_job(job)) for job in jobs)
+        yield from ((job, compile_job(job, options)) for job in jobs)
         return
-    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
-        futures = {pool.submit(compile_job, job): job for job in jobs}
+    start = load_plugins, (options.plugins,)
+    with ProcessPoolExecutor(processes, get_context("spawn"), *start) as pool:
+        futures = {pool.submit(compile_job, job, options): job for job in jobs}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
@@ -123,10 +133,10 @@ def _compiled(jobs: Sequence[str], processes: int) -> Iterator[tuple[str, str]]:
             pool.shutdown(cancel_futures=True)
 
 
-def compile_job(job: str) -> str:
+def compile_job(job: str, options: SceneOptions) -> str:
     """Compile one scene; says why if it cannot be done."""
     try:
-        scene = scene_with(*job.split(": ")) if ": " in job else load(job)
+        scene = scene_with(*job.split(": ")) if ": " in job else scene_of(job, options)
         compiled_kernels(compile_scene(flatten(scene)))
     except AlightError as error:
         return str(error)

@@ -13,6 +13,7 @@ from alight.core.spec import Spec
 from alight.formats import builtin_names
 from alight.lab import warm
 from alight.lab.measure import compiled_kernels
+from alight.options.scene import SceneOptions
 from alight.scene import flatten
 from lanewise.application import variable
 
@@ -42,7 +43,7 @@ def test_every_model_has_a_scene_that_uses_it(family, name):
 
 def test_all_scenes_and_all_models_are_compiled_by_default(monkeypatch):
     compiled = []
-    monkeypatch.setattr(warm, "compile_job", lambda job: compiled.append(job) or "")
+    monkeypatch.setattr(warm, "compile_job", lambda job, _: compiled.append(job) or "")
     seen = []
     done = warm.warm(progress=seen.append)
     assert compiled == [*builtin_names(), *(f"{family}: {name}" for family, name in MODELS)]
@@ -53,7 +54,7 @@ def test_all_scenes_and_all_models_are_compiled_by_default(monkeypatch):
 
 def test_what_was_compiled_is_not_compiled_again(tmp_path, monkeypatch):
     monkeypatch.setenv(variable("CACHE"), str(tmp_path))
-    assert warm.compile_job("cornell-box") == ""
+    assert warm.compile_job("cornell-box", SceneOptions()) == ""
     kept = {path: path.stat().st_mtime_ns for path in Path(tmp_path).rglob("*") if path.is_file()}
     assert kept
     compiled_kernels(compile_scene(flatten(alight.load("cornell-box"))))
@@ -62,7 +63,7 @@ def test_what_was_compiled_is_not_compiled_again(tmp_path, monkeypatch):
 
 
 def test_a_scene_that_does_not_exist_is_refused_before_anything_is_compiled(monkeypatch):
-    monkeypatch.setattr(warm, "compile_job", lambda job: pytest.fail("it was compiled"))
+    monkeypatch.setattr(warm, "compile_job", lambda *_: pytest.fail("it was compiled"))
     done = CliRunner().invoke(app, ["warm", "cornell-box", "cornel-box"])
     assert done.exit_code == 2
     assert 'did you mean "cornell-box"' in done.stderr
@@ -70,7 +71,7 @@ def test_a_scene_that_does_not_exist_is_refused_before_anything_is_compiled(monk
 
 def test_a_scene_that_cannot_be_compiled_is_told_and_the_others_are(monkeypatch):
     told = {"cornell-box": "no room on the disk", "fog": ""}
-    monkeypatch.setattr(warm, "compile_job", told.__getitem__)
+    monkeypatch.setattr(warm, "compile_job", lambda job, _: told[job])
     done = CliRunner().invoke(app, ["warm", *told, "--processes", "1"])
     assert done.exit_code == 1
     assert done.stderr == "warning: cornell-box: no room on the disk\n"
