@@ -123,8 +123,9 @@ def _compiled(
     if processes == 1 or len(jobs) < 2:
         yield from ((job, compile_job(job, options)) for job in jobs)
         return
-    start = load_plugins, (options.plugins,)
-    with ProcessPoolExecutor(processes, get_context("spawn"), *start) as pool:
+    with ProcessPoolExecutor(
+        processes, get_context("spawn"), initializer=load_plugins, initargs=(options.plugins,)
+    ) as pool:
         futures = {pool.submit(compile_job, job, options): job for job in jobs}
         try:
             for future in as_completed(futures):
