@@ -123,9 +123,7 @@ def _compiled(
     if processes == 1 or len(jobs) < 2:
         yield from ((job, compile_job(job, options)) for job in jobs)
         return
-    with ProcessPoolExecutor(
-        processes, get_context("spawn"), initializer=load_plugins, initargs=(options.plugins,)
-    ) as pool:
+    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
         futures = {pool.submit(compile_job, job, options): job for job in jobs}
         try:
             for future in as_completed(futures):
@@ -137,6 +135,8 @@ def _compiled(
 def compile_job(job: str, options: SceneOptions) -> str:
     """Compile one scene; says why if it cannot be done."""
     try:
+        # In a process of its own nobody has loaded them yet.
+        load_plugins(options.plugins)
         scene = scene_with(*job.split(": ")) if ": " in job else scene_of(job, options)
         compiled_kernels(compile_scene(flatten(scene)))
     except AlightError as error:
