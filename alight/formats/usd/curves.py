@@ -14,6 +14,7 @@ from alight.core.errors import unknown_name
 from alight.core.fields import LARGEST
 from alight.formats.surfaces import Surface
 from alight.formats.usd.modules import UsdGeom
+from alight.formats.usd.placing import are_in_range
 from alight.formats.usd.stage import Stage
 from alight.shapes.curves import Curves
 from alight.shapes.strands import TO_BEZIER
@@ -48,11 +49,7 @@ def read_curves(stage: Stage, prim: Any) -> Curves | None:
         text = f"curveVertexCounts must fit its points, and {basis} curves ({wrap})"
         stage.problem(prim, f"{text}, got {int(counts[bad.argmax()])} of {len(points)}")
         return None
-    wrong = ~(np.abs(points) <= LARGEST).all(axis=1)
-    if wrong.any():
-        place = int(wrong.argmax())
-        text = f"its points must be finite and at most {LARGEST:g} in size"
-        stage.problem(prim, f"{text}, got {points[place].tolist()} at place {place}")
+    if not are_in_range(stage, prim, points):
         return None
     if len(stage.value(curves.GetNormalsAttr(), [])):
         stage.report.approximate(f"{prim.GetPath()}: ribbons with normals are shown round")

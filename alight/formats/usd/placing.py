@@ -1,4 +1,4 @@
-"""Matrices that place prims."""
+"""Where prims and their points are."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.fields import LARGEST
+from alight.formats.usd.stage import Stage
 from alight.scene.transform import is_singular
 
 Matrix = NDArray[np.float64]
@@ -30,3 +31,13 @@ def is_placement(matrix: Matrix) -> bool:
     """Whether a matrix is affine, of numbers whose products can be formed; NaN is none."""
     is_small = np.abs(matrix).max() <= LARGEST
     return bool(is_small and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0]))
+
+
+def are_in_range(stage: Stage, prim: Any, points: NDArray[np.float64]) -> bool:
+    """Whether the points (n, 3) of a prim can be computed with; reports the first that cannot."""
+    wrong = ~(np.abs(points) <= LARGEST).all(axis=1)
+    if wrong.any():
+        place = int(wrong.argmax())
+        text = f"its points must be finite and at most {LARGEST:g} in size"
+        stage.problem(prim, f"{text}, got {points[place].tolist()} at place {place}")
+    return not wrong.any()

@@ -12,6 +12,7 @@ import numpy as np
 from alight.core.fields import LARGEST
 from alight.formats.objects.points import FINEST, MOST_TRIANGLES, ball, sensible_radius
 from alight.formats.usd.modules import UsdGeom
+from alight.formats.usd.placing import are_in_range
 from alight.formats.usd.stage import Stage
 from alight.meshes.polygons import Triangles
 
@@ -28,11 +29,7 @@ def read_points(stage: Stage, prim: Any) -> Triangles | None:
     if not len(points):
         stage.report.drop(f"{prim.GetPath()}: no points")
         return None
-    wrong = ~(np.abs(points) <= LARGEST).all(axis=1)
-    if wrong.any():
-        place = int(wrong.argmax())
-        text = f"its points must be finite and at most {LARGEST:g} in size"
-        stage.problem(prim, f"{text}, got {points[place].tolist()} at place {place}")
+    if not are_in_range(stage, prim, points):
         return None
     radii = _radii(stage, prim, points)
     colors = _colors(stage, prim, len(points))
