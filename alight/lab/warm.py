@@ -100,7 +100,7 @@ def warm(
     begin, options = time.perf_counter(), options or SceneOptions()
     load_plugins(options.plugins)
     for name in names:
-        scene_of(name, options)
+        scene_of(name, options.changed(plugins=()))
     jobs = list(names) or [*builtin_names(), *_models()]
     failures: dict[str, str] = {}
     # What all of them share is compiled once, before they begin together.
@@ -123,7 +123,9 @@ def _compiled(
     if processes == 1 or len(jobs) < 2:
         yield from ((job, compile_job(job, options)) for job in jobs)
         return
-    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(
+        processes, get_context("spawn"), initializer=_load_scripts, initargs=(options,)
+    ) as pool:
         futures = {pool.submit(compile_job, job, options): job for job in jobs}
         try:
             for future in as_completed(futures):
@@ -132,11 +134,15 @@ def _compiled(
             pool.shutdown(cancel_futures=True)
 
 
+def _load_scripts(options: SceneOptions) -> None:
+    """Make models of scripts known in a new process."""
+    load_plugins(options.plugins)
+
+
 def compile_job(job: str, options: SceneOptions) -> str:
-    """Compile one scene; says why if it cannot be done."""
+    """Compile one scene, whose scripts are loaded; says why if it cannot be done."""
+    options = options.changed(plugins=())
     try:
-        # In a process of its own nobody has loaded them yet.
-        load_plugins(options.plugins)
         scene = scene_with(*job.split(": ")) if ": " in job else scene_of(job, options)
         compiled_kernels(compile_scene(flatten(scene)))
     except AlightError as error:
