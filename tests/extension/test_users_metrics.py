@@ -13,6 +13,7 @@ from alight.cli.main import app
 from alight.core.errors import OptionError
 from alight.core.registration import unregister
 from alight.core.registry import registered_versions
+from alight.lab import pictures
 from alight.lab.figures import Figures
 from alight.lab.report.tables import error_table
 from alight.metrics.model import Pair
@@ -22,6 +23,17 @@ from tests.lab.report.synthetic import arm
 
 IMAGE = np.linspace(0.0, 1.0, 16 * 16 * 3, dtype=np.float32).reshape(16, 16, 3)
 OTHER = IMAGE + np.float32(0.125)
+
+
+STUDY = """
+title: Two samplers
+scenes: [{scene: cornell-box, set: {size: [16, 16]}}]
+arms: {independent: {sampler: independent}, sobol: {sampler: sobol}}
+baseline: independent
+spp: [4]
+replicates: 4
+equal_time: false
+"""
 
 
 @pytest.fixture
@@ -89,6 +101,34 @@ def test_a_study_measures_again_what_another_version_measured(registered):
     (second,) = registered_versions("metrics")
     assert first[0] == second[0] == "absolute_error"
     assert first[1] != second[1]
+
+
+class Planned(Exception):
+    """The keys of the replicates in the store are known."""
+
+
+def test_what_a_store_holds_is_known_by_the_metrics_too(tmp_path, monkeypatch):
+    """Replicates without a metric's figure, or with that of another version, are not its own."""
+    keys = []
+
+    def stop(session, scene, plans, *more):
+        keys.append(tuple(plan.key for plan in plans))
+        raise Planned
+
+    monkeypatch.setattr(pictures, "run_blocks", stop)
+    study = tmp_path / "study.yaml"
+    study.write_text(STUDY)
+    for known in (False, True, False):
+        if known:
+            alight.register(absolute_error)
+        try:
+            with pytest.raises(Planned):
+                alight.study(study, output=tmp_path / "out", threads=1)
+        finally:
+            if known:
+                unregister("metrics", "absolute_error")
+    assert keys[0] == keys[2]
+    assert not set(keys[0]) & set(keys[1])
 
 
 def test_the_view_compares_by_its_map(registered):
