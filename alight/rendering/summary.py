@@ -61,7 +61,6 @@ def error_line(error: ErrorEstimate) -> str:
     if math.isnan(relative.value):
         return "estimated error: unknown (too few samples, or a black picture)"
     between = f"{relative.low:.2%} to {_at_most(relative.high)}"
-    # Of those that were tried, 83 to 93 in a hundred held.
     interval = (
         f"95 %: {between}" if error.promised else f"{between}, not promised: pixels share paths"
     )
