@@ -105,6 +105,18 @@ KNOWN_ERROR = (
         f"{DOUBTS}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
     ),
     Mutant(
+        "samples of both signs that leave nothing open",
+        "metrics/noisy_pixels.py",
+        (("math.log1p(2.0 * float(sums[-1]", "math.log1p(0.0 * float(sums[-1]"),),
+        f"{DOUBTS}::test_the_interval_holds_where_samples_cancel",
+    ),
+    Mutant(
+        "a half that met no light, taken for samples that cancel",
+        "metrics/noisy_pixels.py",
+        (("np.flatnonzero(rho < 0.0)", "np.flatnonzero(rho <= 0.0)"),),
+        f"{DOUBTS}::test_where_samples_have_both_signs_pixels_may_be_black",
+    ),
+    Mutant(
         "a doubt that counts upwards only, in both directions",
         "metrics/error_estimate.py",
         (("(self.rise if upper else 0.0)", "self.rise"),),
