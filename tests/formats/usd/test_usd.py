@@ -118,6 +118,7 @@ def test_values_belong_to_what_their_interpolation_names(load, how, values, numb
     text = f'texCoord2f[] primvars:st = [{rows}] (interpolation = "{how}")'
     (node,) = shapes(load(f'def Mesh "m" {{{TWO_SQUARES}{text}}}')).values()
     points = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)]
+    assert node.shape.uvs is not None
     for triangle in node.shape.faces:
         at = node.shape.vertices[triangle, :2]
         face = int(at[:, 0].mean() > 1.0)
