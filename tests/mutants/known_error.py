@@ -25,7 +25,12 @@ KNOWN_ERROR = (
     Mutant(
         "a clock that ends between two looks says met",
         "rendering/steering.py",
-        (("        if not judgement.met:\n            return self._say", "        if True:\n            return self._say"),),
+        (
+            (
+                "        if not judgement.met:\n            return self._say",
+                "        if True:\n            return self._say",
+            ),
+        ),
         f"{PROMISES}::test_only_a_look_that_was_planned_says_met",
     ),
     Mutant(
