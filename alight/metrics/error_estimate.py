@@ -30,7 +30,7 @@ class Figure(NamedTuple):
         bright as their brightest samples say.
     rise : float, default 0
         Variance of log(relMSE), upwards only, because noisy pixels may differ by more than their
-        samples can tell.
+        samples can tell, and be black where samples have both signs.
     """
 
     value: float

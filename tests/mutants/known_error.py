@@ -25,7 +25,12 @@ KNOWN_ERROR = (
     Mutant(
         "a clock that ends between two looks says met",
         "rendering/steering.py",
-        (("        if not judgement.met:\n            return self._say", "        if True:\n            return self._say"),),
+        (
+            (
+                "        if not judgement.met:\n            return self._say",
+                "        if True:\n            return self._say",
+            ),
+        ),
         f"{PROMISES}::test_only_a_look_that_was_planned_says_met",
     ),
     Mutant(
@@ -127,6 +132,18 @@ KNOWN_ERROR = (
         "metrics/noisy_pixels.py",
         (("mean * mean * pixels)", "mean * mean * (pixels + 1.0))"),),
         f"{DOUBTS}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+    ),
+    Mutant(
+        "samples of both signs that leave nothing open",
+        "metrics/noisy_pixels.py",
+        (("math.log1p(2.0 * float(sums[-1]", "math.log1p(0.0 * float(sums[-1]"),),
+        f"{DOUBTS}::test_the_interval_holds_where_samples_cancel",
+    ),
+    Mutant(
+        "a half that met no light, taken for samples that cancel",
+        "metrics/noisy_pixels.py",
+        (("np.flatnonzero(rho < 0.0)", "np.flatnonzero(rho <= 0.0)"),),
+        f"{DOUBTS}::test_where_samples_have_both_signs_pixels_may_be_black",
     ),
     Mutant(
         "a doubt that counts upwards only, in both directions",
