@@ -109,11 +109,11 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
         for a, b in _halves(m, k, halvings):
             by_a, by_b = (weight.full(believed) for weight in next(kept))
             spread += _spread(known[rows], a, b, by_a, by_b)
-        if shared:
-            shared.add(m, np.sqrt(by_a * by_b) * known[rows])
+            if shared:
+                shared.add(m, np.sqrt(by_a * by_b) * known[rows])
     spread /= len(halvings)
     if shared:
-        spread = max(spread, shared.spread)
+        spread = max(spread, shared.spread / len(halvings) ** 2)
     if replicates < 4:
         # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
         spread *= (replicates - 1) / (replicates + 1)
