@@ -32,7 +32,7 @@ def machine_code(tmp_path_factory):
         flat = flatten(alight.load("mirror-and-glass"))
         job = Job(compile_scene(flat), Uniform(0, 1), seed=0, threads=1, replicates=4)
         job.start(None)
-    return seen["render_in_stages"]
+    return seen["render_samples"]
 
 
 def test_no_double_arithmetic(machine_code):
@@ -48,7 +48,7 @@ def test_no_reference_counting(machine_code):
         part
         for part in re.split(r"(?=^define )", body, flags=re.MULTILINE)
         if part.startswith("define")
-        and "render_in_stages" in part.split("\n")[0]
+        and "render_samples" in part.split("\n")[0]
         and "cpython" not in part.split("\n")[0]
     ]
     assert hot
