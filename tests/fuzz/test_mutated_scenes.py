@@ -96,7 +96,7 @@ def test_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
 
 def test_mutated_lights_motions_and_media_render_or_are_refused(tmp_path):
     write_features(tmp_path)
-    check(features(seed=3, n=100), tmp_path)
+    check(features(seed=3, n=50), tmp_path)
 
 
 def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
@@ -106,7 +106,7 @@ def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
 
 def test_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
     copy_models(tmp_path)
-    check(models(seed=3, n=100), tmp_path)
+    check(models(seed=3, n=50), tmp_path)
 
 
 @pytest.mark.proofs
