@@ -24,7 +24,7 @@ from lanewise.application import setting, variable
 from lanewise.kernel_text import check_text, explained, is_ours
 from lanewise.machine_code import MachineCode, ObjectCode
 from lanewise.marks import STRICT, Specialised, is_kernel, kernel, specialised
-from lanewise.source_digest import digest_of, digest_of_text
+from lanewise.source_digest import digest_of, digests_of_text
 
 __all__ = ["FAST_MATH", "Specialised", "instantiate", "is_kernel", "kernel", "specialised"]
 
@@ -191,10 +191,9 @@ class _CompiledBuild(_Build):
         def digest_of_callee(value: Any) -> str | None:
             return self.compiler.digest_on_disk(self.get(value, strict))
 
-        digest = digest_of_text(node, digest_of_callee, *words)
-        alone = digest_of_text(node, lambda callee: "", *words)
-        if digest is not None and alone is not None:
-            self.compiler.keep_on_disk(dispatcher, digest, alone)
+        digests = digests_of_text(node, digest_of_callee, *words)
+        if digests is not None:
+            self.compiler.keep_on_disk(dispatcher, *digests)
 
     def replacement(self, value: Any, strict: bool) -> Any:
         value = self.compiler.primitive(value)

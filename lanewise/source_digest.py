@@ -47,9 +47,12 @@ class _Reader:
         # So that no other value gets the identity of one that was seen.
         self.kept: list[Any] = []
 
+    def raw(self, data: bytes) -> None:
+        self.hash.update(data)
+
     def word(self, *parts: object) -> None:
         for part in parts:
-            self.hash.update(f"{part}\0".encode())
+            self.raw(f"{part}\0".encode())
 
     def feed(self, value: Any) -> None:
         """Add a value; the second time it is met, only which one it was."""
@@ -63,7 +66,7 @@ class _Reader:
         self.kept.append(value)
         if isinstance(value, np.ndarray):
             self.word("array", value.dtype, value.shape)
-            self.hash.update(np.ascontiguousarray(value).tobytes())
+            self.raw(np.ascontiguousarray(value).tobytes())
         elif isinstance(value, dict):
             self.items(value)
         elif isinstance(value, tuple | list):
@@ -118,7 +121,7 @@ class _Reader:
 
     def code(self, code: CodeType) -> None:
         self.word("code", code.co_argcount, code.co_names, code.co_varnames, code.co_freevars)
-        self.hash.update(code.co_code)
+        self.raw(code.co_code)
         for constant in code.co_consts:
             self.feed(constant)
 
@@ -147,10 +150,10 @@ class UnreadableError(Exception):
     """A kernel names something of which no digest can be made."""
 
 
-def digest_of_text(
+def digests_of_text(
     function: FunctionType, called: Callable[[Any], str | None], *circumstances: object
-) -> str | None:
-    """Short digest of one kernel's text and of all that it reaches; None if that cannot be told.
+) -> tuple[str, str] | None:
+    """Two short digests of one kernel's text, with what it calls and without.
 
     Unlike `digest_of`, it takes no sources for granted but those of lanewise.
 
@@ -162,6 +165,11 @@ def digest_of_text(
         The digest of a kernel or `Specialised` that the text names; None if that has none.
     circumstances : object
         What else decides the code, as words.
+
+    Returns
+    -------
+    (str, str) or None
+        None if it cannot be told what the text or what it calls is made from.
     """
     reader = _TextReader(called)
     try:
@@ -169,13 +177,19 @@ def digest_of_text(
         reader.text(function)
     except UnreadableError:
         return None
-    return reader.hash.hexdigest()[:32]
+    return reader.hash.hexdigest()[:32], reader.alone.hexdigest()[:32]
 
 
 class _TextReader(_Reader):
+    """Reads once for two digests: the text takes most of the time."""
+
     def __init__(self, called: Callable[[Any], str | None]) -> None:
         super().__init__(set(), set())
-        self.called = called
+        self.called, self.alone = called, hashlib.sha256()
+
+    def raw(self, data: bytes) -> None:
+        self.hash.update(data)
+        self.alone.update(data)
 
     def text(self, function: FunctionType) -> None:
         self.code(function.__code__)
@@ -194,7 +208,8 @@ class _TextReader(_Reader):
         digest = self.called(value)
         if digest is None:
             raise UnreadableError(value)
-        self.word("kernel", digest)
+        self.word("kernel")
+        self.hash.update(f"{digest}\0".encode())
 
     def feed(self, value: Any) -> None:
         if isinstance(value, Specialised) or is_kernel(value):

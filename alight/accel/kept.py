@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import Any
 
 import numpy as np
 
 from alight.accel.build import build_bvh
 from alight.accel.layout import Bvh
+from alight.core.by_arrays import once
 
 #: By the arrays and the builder; arrays of a scene are never changed.
 _TREES: dict[tuple[int, int, str], tuple[Bvh, dict[str, Any]]] = {}
@@ -21,12 +21,7 @@ def tree_of(
 
     Of read-only arrays it is built once: who moves an instance gets it again.
     """
-    key = id(vertices), id(faces), method
-    found = _TREES.get(key)
-    if found is None:
-        found = build_bvh(vertices, faces, method=method, threads=threads)
-        if not (vertices.flags.writeable or faces.flags.writeable):
-            _TREES[key] = found
-            for array in (vertices, faces):
-                weakref.finalize(array, _TREES.pop, key, None)
-    return found
+    return once(
+        _TREES, (vertices, faces), method,
+        lambda: build_bvh(vertices, faces, method=method, threads=threads),
+    )  # fmt: skip

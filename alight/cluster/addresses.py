@@ -13,7 +13,6 @@ from alight.cluster.files import is_cluster_file, read_cluster_file, started
 from alight.cluster.keys import security_of
 from alight.core.errors import AlightError, OptionError
 from alight.core.extras import install_command
-from alight.core.registry import FAMILIES_OF_SCENES, REGISTERED
 from lanewise.application import variable
 from lanewise.jit import uses_stock_pipeline
 
@@ -48,11 +47,9 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
     Raises
     ------
     OptionError
-        Also if Dask is not installed, or scripts have brought models that scenes are made of.
+        Also if Dask is not installed.
     """
     check_dask()
-    if any(REGISTERED[family] for family in FAMILIES_OF_SCENES):
-        raise OptionError("models of scripts do not reach the workers of a cluster", "cluster")
     if uses_stock_pipeline():
         text = f"kernels of {variable('PIPELINE')}=stock stay in the process that compiled them"
         raise OptionError(text, "cluster")

@@ -68,6 +68,20 @@ VERTEX_DIMENSIONS = 16
 LIGHT_CHOICE, LIGHT_POINT, BSDF_CHOICE, BSDF_DIRECTION, ROULETTE = 0, 1, 3, 4, 6
 
 
+class SentIntegrator(Integrator):
+    """What `make_settings` reads of an integrator, for processes that do not know its class."""
+
+    max_depth: int | None = None
+    rr_depth: int = UNLIMITED
+    distance: float | None = None
+
+
+def sent_integrator(integrator: Integrator) -> SentIntegrator:
+    """The same settings in a class of ours: a user's is known where its script has run."""
+    known = SentIntegrator.model_fields
+    return SentIntegrator(**{name: value for name, value in integrator if name in known})
+
+
 def make_settings(
     integrator: Integrator, *, seed: int, replicates: int, guide: Guide | None = None
 ) -> Settings | GuidedSettings:

@@ -24,7 +24,9 @@ from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive, unpack_archive
 from alight.lab.measure import Rung, render_ladder
 from alight.lab.steering import is_steered, steered_ladder
+from alight.rendering.block_tasks import sent
 from alight.rendering.tile import Kernels
+from alight.rendering.training import is_to_be_guided
 
 if TYPE_CHECKING:
     from alight.lab.arms import Arm
@@ -200,11 +202,22 @@ class Spread:
         take : callable
             Takes a task, its pictures and the processor that they were timed on: each task once,
             in this thread.
+
+        Raises
+        ------
+        OptionError
+            If workers would have to compile models that they do not know.
         """
         from alight.cluster.dispatch import Dispatcher, Patience
 
+        for arm in arms:
+            if arm.compiled.program.registered and is_to_be_guided(arm.compiled):
+                text = "trains guides on its workers, which do not know the models of scripts"
+                raise OptionError(f'{text}: render the arm "{arm.spec.name}" here', "cluster")
         shared = [
-            SharedArm(arm.compiled, arm.kernels, arm.replicates, arm.spec.options.get("schedule"))
+            SharedArm(
+                sent(arm.compiled), arm.kernels, arm.replicates, arm.spec.options.get("schedule")
+            )
             for arm in arms
         ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, wraps
+from functools import lru_cache, partial, wraps
 from typing import Any
 
 import numpy as np
@@ -89,15 +89,10 @@ class Body:
 
     def hit(self, o: np.ndarray, d: np.ndarray, active: np.ndarray) -> tuple[Hit, Any]:
         """Nearest hits of rays (3, n), and the surfaces there."""
-        n = o.shape[1]
-        far = np.full(n, np.inf, np.float32)
-        hit = self.run(intersect_closest, self.scene, vec_of(o), vec_of(d), far, active)
-        found = active & np.isfinite(hit.t)
-        hit = hit._replace(t=np.where(found, hit.t, np.float32(1.0)))
-        hit = Hit(*(np.broadcast_to(part, n) for part in hit))
-        return hit._replace(t=np.where(found, hit.t, np.inf)), self.run(
-            make_surface, self.scene, hit, vec_of(o), vec_of(d), found
-        )
+        hit = nearest_hits(partial(self.run, intersect_closest, self.scene), o, d, active)
+        found = np.isfinite(hit.t)
+        there = hit._replace(t=np.where(found, hit.t, np.float32(1.0)))
+        return hit, self.run(make_surface, self.scene, there, vec_of(o), vec_of(d), found)
 
     def lines(self, seed: int) -> tuple[np.ndarray, np.ndarray]:
         """Uniform random lines through the sphere around it, from outside: origins, directions."""
@@ -108,6 +103,23 @@ class Body:
         middle = self.center[:, None] + r * across
         o = middle - 1.5 * self.radius * d
         return np.ascontiguousarray(o, np.float32), np.ascontiguousarray(d, np.float32)
+
+
+def nearest_hits(search: Callable, o: np.ndarray, d: np.ndarray, active: np.ndarray) -> Hit:
+    """Nearest hits of rays (3, n), by ``search(o, d, t_max, active)``; only active ones are traced.
+
+    What lanes of NumPy do takes as long for those that are not active.
+    """
+    n, rays = o.shape[1], np.flatnonzero(active)
+    none, number = np.zeros(n, np.float32), np.zeros(n, np.uint32)
+    hit = Hit(none + np.float32(np.inf), none, none.copy(), number, number.copy())
+    if rays.size:
+        far, all_of_them = np.full(rays.size, np.inf, np.float32), np.ones(rays.size, bool)
+        for whole, part in zip(
+            hit, search(vec_of(o[:, rays]), vec_of(d[:, rays]), far, all_of_them), strict=True
+        ):
+            whole[rays] = part
+    return hit
 
 
 def margin_of(body: Body, o: np.ndarray) -> float:

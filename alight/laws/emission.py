@@ -6,6 +6,7 @@ against light sampling: what arrives on a small disk must be the same by both.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from alight.compiled.shapes import compile_shapes
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
-from alight.laws.bodies import PLACEMENTS
+from alight.laws.bodies import PLACEMENTS, nearest_hits
 from alight.laws.lights import NARROW, described, mean_radiance, run, strategy
 from alight.laws.materials import stacked
 from alight.laws.report import BrokenLawError, demand, demand_close
@@ -233,7 +234,9 @@ def same_by_both(emitting: CompiledScene, sampled: CompiledScene) -> None:
     lit = np.flatnonzero(rays.flux.max(axis=0) > 0.0)
     if not lit.size:
         return
-    free = _free_way(sampled, rays.o, rays.d)
+    chosen = np.zeros(N, bool)
+    chosen[lit[np.arange(RECEIVERS) * len(lit) // RECEIVERS]] = True
+    free = _free_way(sampled, rays.o, rays.d, chosen)
     for k in range(RECEIVERS):
         ray = lit[k * len(lit) // RECEIVERS]
         reach = min(float(free[ray]), 2.0 * radius)
@@ -246,10 +249,10 @@ def same_by_both(emitting: CompiledScene, sampled: CompiledScene) -> None:
         # Facing the ray, but not squarely.
         normal = 0.4 * np.roll(rays.d[:, ray], 1).astype(float) - rays.d[:, ray]
         normal /= np.linalg.norm(normal)
-        _compare(rays, free, sampled, (center, normal, size))
+        _compare(rays, sampled, (center, normal, size))
 
 
-def _compare(rays: Rays, free: np.ndarray, scene: CompiledScene, disk: tuple) -> None:
+def _compare(rays: Rays, scene: CompiledScene, disk: tuple) -> None:
     """Irradiance on the disk (center, normal, radius), W/m^2, by both."""
     center, normal, size = disk
     o, d = rays.o.astype(float), rays.d.astype(float)
@@ -257,7 +260,8 @@ def _compare(rays: Rays, free: np.ndarray, scene: CompiledScene, disk: tuple) ->
     height = np.sum((o - center[:, None]) * normal[:, None], axis=0)
     t = height / np.where(towards > 0.0, towards, 1.0)
     beside = np.linalg.norm(o + t * d - center[:, None], axis=0)
-    met = (towards > 0.0) & (t > 0.0) & (t < free) & (beside < size)
+    met = (towards > 0.0) & (t > 0.0) & (beside < size)
+    met &= t < _free_way(scene, rays.o, rays.d, met)
     flux = luminance(Vec3(*rays.flux)).astype(float)
     emitted = np.where(met, flux, 0.0) / (np.pi * size * size)
     sampled = _by_samples(scene, center, normal, size)
@@ -285,18 +289,15 @@ def _by_samples(
     light = run(scene, sample_light, p, facing, u[0], (u[1], u[2]), active)
     wi, pdf = stacked(light.wi, N), np.broadcast_to(light.pdf, N).astype(float)
     cosine = np.maximum(np.sum(wi * normal[:, None], axis=0), 0.0)
-    seen = _free_way(scene, points, wi) >= 0.999 * np.broadcast_to(light.distance, N)
     bright = luminance(Vec3(*stacked(light.radiance, N))).astype(float)
-    found = (pdf > 0.0) & seen
+    found = (pdf > 0.0) & (bright * cosine != 0.0)
+    found &= _free_way(scene, points, wi, found) >= 0.999 * np.broadcast_to(light.distance, N)
     return np.where(found, bright * cosine / np.where(pdf > 0.0, pdf, 1.0), 0.0)
 
 
-def _free_way(scene: CompiledScene, o: Any, d: Any) -> np.ndarray:
-    """Distance of the first surface along rays (3, N), m."""
-    far = np.full(N, np.inf, np.float32)
-    origin, direction = _vec(o), _vec(d)
-    hit = run(scene, intersect_closest, origin, direction, far, np.ones(N, bool))
-    return np.broadcast_to(hit.t, N).astype(float)
+def _free_way(scene: CompiledScene, o: Any, d: Any, active: np.ndarray) -> np.ndarray:
+    """Distance of the first surface along active rays (3, N), m."""
+    return nearest_hits(partial(run, scene, intersect_closest), o, d, active).t.astype(float)
 
 
 # ---------------------------------------------------------------- machine code

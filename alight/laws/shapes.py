@@ -105,7 +105,7 @@ def _neighbours(body: Body, seed: int) -> tuple[np.ndarray, Any, list[tuple[Any,
         pair = []
         for side in (steps, -steps):
             beside = (o + side * step).astype(np.float32)
-            hit, surface = body.hit(beside, d, np.ones(N, bool))
+            hit, surface = body.hit(beside, d, found)
             away = np.linalg.norm(rows_of(surface.p, N) - rows_of(here.p, N), axis=0)
             # Neither another part of the surface nor the other side of a seam.
             found = found & (hit.shape == first.shape) & (hit.prim == first.prim)

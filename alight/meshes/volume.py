@@ -7,10 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.core.by_arrays import once
 from alight.meshes.tessellation import welded
 
 #: A volume of less than this part of a cube with the mesh's diagonal is none.
 FLAT = 1e-8
+
+#: By the arrays.
+_VOLUMES: dict[tuple, float] = {}
 
 
 def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
@@ -25,8 +29,12 @@ def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> 
     -------
     float
         m^3; negative if they face inwards, 0 if they are open: where an edge has a triangle on one
-        side only.
+        side only. Of read-only arrays it is worked out once.
     """
+    return once(_VOLUMES, (vertices, faces), None, lambda: _volume(vertices, faces))
+
+
+def _volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
     _, places = np.unique(welded(vertices), axis=0, return_inverse=True)
     corners = places.reshape(-1)[faces].astype(np.int64)
     start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from alight.films import CELL_SIZE, PartialFilm
 from alight.films.archive import pack_archive, unpack_archive
 from alight.films.coverage import SurfaceSums, pack_sums, unpack_sums
 from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
-from alight.integrators.walk import Settings
+from alight.integrators.walk import Settings, sent_integrator
 from alight.rendering.executors import Block
 from alight.rendering.tile import Kernels, Scratch, render_tile
 
@@ -67,6 +68,16 @@ class SharedScene(NamedTuple):
     scene: CompiledScene
     settings: Settings
     kernels: Kernels
+
+
+def sent(scene: CompiledScene) -> CompiledScene:
+    """A scene as it travels: tables, and nothing of what a user's script has defined.
+
+    Kernels are object code, so the integrator's description is all that names a model's class.
+    """
+    if any(family == "integrators" for family, *_ in scene.program.registered):
+        return replace(scene, integrator=sent_integrator(scene.integrator))
+    return scene
 
 
 def render_blocks(shared: SharedScene, task: BlockTask) -> bytes:

@@ -14,7 +14,14 @@ import numpy as np
 from alight.cluster.addresses import check_address, connected
 from alight.core.errors import OptionError
 from alight.integrators.walk import Settings
-from alight.rendering.block_tasks import BlockTask, Layout, SharedScene, read_blocks, render_blocks
+from alight.rendering.block_tasks import (
+    BlockTask,
+    Layout,
+    SharedScene,
+    read_blocks,
+    render_blocks,
+    sent,
+)
 from alight.rendering.executors import Add, Block, Executor, Threads
 
 if TYPE_CHECKING:
@@ -105,7 +112,7 @@ class ClusterExecutor:
                 self._bytes += len(data)
             return read_blocks(layout, task, data)
 
-        shared = SharedScene(job.scene, job.settings, job.kernels)
+        shared = SharedScene(sent(job.scene), job.settings, job.kernels)
         self._dispatcher = Dispatcher(self._client, render_blocks, shared, read, self._patience)
         self._stack.callback(self._dispatcher.close)
         self._dispatcher.open()

@@ -15,9 +15,9 @@ from alight.films.fixed_point import carry, to_float
 from alight.integrators.contributions import FIELDS, HALF, PASS, RECORDED, Log
 from alight.integrators.strategies import StrategyLog
 from alight.integrators.walk import Settings, make_settings
-from alight.rendering.staged_tile import render_tile_kernel
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import Tile
+from alight.rendering.tile_loop import render_tile_kernel
 from alight.rendering.tiles import tiles_of
 from lanewise.jit import instantiate
 from lanewise.view import View

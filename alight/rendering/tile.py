@@ -27,7 +27,6 @@ from alight.integrators.aov import (
 from alight.integrators.coverage import ROW_BITS, WeightTable
 from alight.integrators.walk import Settings
 from alight.rendering.both_ends_tile import splatting_tile_kernel
-from alight.rendering.staged_tile import render_tile_kernel
 from alight.rendering.tile_kernel import (
     INVALID,
     RAYS,
@@ -35,8 +34,8 @@ from alight.rendering.tile_kernel import (
     Tile,
     render_coverage,
     render_layers,
-    render_step_by_step,
 )
+from alight.rendering.tile_loop import render_step_by_step, render_tile_kernel
 from lanewise.jit import StockKernel, instantiate
 from lanewise.machine_code import MachineCode
 from lanewise.view import View

@@ -1,11 +1,7 @@
-"""The main loop inside a tile: start paths, extend them, add the finished ones to the film.
+"""What the main loop inside a tile (`alight.rendering.tile_loop`) does with samples and pixels.
 
-A packet's samples take their first step together. Where some paths end, the others wait in a queue,
-from which the next packet is taken as soon as they fill one; so packets stay full although paths
-differ in length, and hold paths of the same pixel and depth, whose rays go the same way (the
-regeneration and compaction of paths of Wald 2011, Active thread compaction for GPU path tracing).
-Where a step has two halves, they wait a second time in the middle of it
-(`alight.rendering.staged_tile`).
+It takes samples along the rows of cells, starts their camera rays, and adds what they have found to
+the sums of the tile.
 """
 
 from __future__ import annotations
@@ -21,7 +17,6 @@ from alight.integrators.aov import LayerFilm, look
 from alight.integrators.coverage import weigh
 from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
-from alight.integrators.queue import NO_HIT, empty_queue, put, take
 from alight.integrators.walk import (
     FILTER,
     LENS,
@@ -30,7 +25,6 @@ from alight.integrators.walk import (
     empty_paths,
     no_paths,
     start_paths,
-    step,
 )
 from alight.samplers.sampling import get_2d, sampler_state
 from lanewise.jit import kernel, specialised
@@ -226,37 +220,6 @@ def finish(program):
                 record_ends(settings.log, path, finished)
 
     return finish
-
-
-@kernel
-def render_step_by_step(scene, settings, tile, ranges, film):
-    """Render the samples `ranges` of one tile into `film` (sums counts direct tally).
-
-    Where a step is one piece.
-    """
-    path = empty_paths()
-    queue = empty_queue(NO_HIT)
-    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
-    _, cells = count_cells(tile)
-    waiting, rays = 0, 0
-    while True:
-        if mask_bits(~path.active) != 0:
-            rays += path.rays
-            waiting = put(queue, waiting, path, NO_HIT)
-            if waiting >= LANES:
-                waiting -= LANES
-                path, _ = take(settings, queue, waiting, LANES, NO_HIT)
-            elif cursor.cell < cells:
-                cursor, path = start(scene, settings, tile, ranges, cursor)
-            elif waiting > 0:
-                path, _ = take(settings, queue, 0, waiting, NO_HIT)
-                waiting = 0
-            else:
-                break
-        before = path.active
-        path = step(scene, settings, path)
-        finish(settings, tile, film, path, before)
-    film.tally[RAYS] += rays
 
 
 @kernel

@@ -28,9 +28,9 @@ from alight.integrators.walk import GuidedSettings, Settings, make_settings
 from alight.lights.tables import EmittingLights
 from alight.rendering.light_training import record_light_paths
 from alight.rendering.seeds import LIGHT_TRAINING, TRAINING, seed_of_round
-from alight.rendering.staged_tile import render_tile_kernel
 from alight.rendering.tile import Scratch
 from alight.rendering.tile_kernel import RAYS, Tile
+from alight.rendering.tile_loop import render_tile_kernel
 from alight.rendering.tiles import SMALL, tiles_of
 from alight.rendering.training_plan import Step, TrainingPlan
 from lanewise.jit import instantiate

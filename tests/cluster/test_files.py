@@ -14,9 +14,7 @@ from alight.cluster.addresses import check_address
 from alight.cluster.files import read_cluster_file
 from alight.cluster.keys import make_keys, role_settings, security_of
 from alight.core.errors import AlightError, OptionError
-from alight.core.registration import unregister
 from tests.docs.pages import ROOT
-from tests.extension import absolute_error, torus
 
 EXAMPLES = ROOT / "docs" / "clusters"
 
@@ -62,23 +60,6 @@ def test_a_wrong_file_is_refused_before_anything_starts(farm, text, message):
 def test_a_file_that_is_not_there_is_refused(farm):
     with pytest.raises(OptionError, match="cannot read no\\.yaml: No such file"):
         check_address("no.yaml")
-
-
-@pytest.mark.parametrize(
-    ("model", "refused"), [(torus, True), (absolute_error, False)], ids=["torus", "metric"]
-)
-def test_models_that_scenes_are_made_of_do_not_reach_workers(model, refused):
-    """A metric or a tone curve is the client's own business."""
-    alight.register(model)
-    spec = model.EXAMPLES[0]
-    try:
-        if refused:
-            with pytest.raises(OptionError, match="models of scripts do not reach"):
-                check_address("local:2")
-        else:
-            check_address("local:2")
-    finally:
-        unregister(spec.family, spec.type_name())
 
 
 def test_keys_lie_beside_the_file_unless_others_are_given(farm, tmp_path):

@@ -25,7 +25,7 @@ COSINES = (1.0, 0.5, 1e-3, 1e-6, 1e-12, 0.0)
 AZIMUTHS = (0.0, 0.6, 0.5 * np.pi, np.pi)
 UNIFORM = np.float32([0.0, 1e-7, 0.5, ONE_MINUS_EPSILON])
 #: Each of their descriptions takes tables that are slow to make.
-TABLED = ("rough_plastic", "principled", "coated_conductor", "plastic")
+TABLED = ("rough_plastic", "principled", "coated_conductor", "plastic", "subsurface")
 
 
 def directions():

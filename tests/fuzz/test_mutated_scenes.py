@@ -79,34 +79,34 @@ def check(cases: Iterable[Mutation], folder: Path) -> list[Outcome]:
 
 
 def test_mutated_scenes_render_or_are_refused(tmp_path):
-    check(mutations(seed=3, n=200), tmp_path)
+    check(mutations(seed=3, n=100), tmp_path)
 
 
 def test_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
-    check(extremes(seed=3, n=200), tmp_path)
+    check(extremes(seed=3, n=100), tmp_path)
 
 
 def test_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
-    check(pictures(seed=3, n=200), tmp_path)
+    check(pictures(seed=3, n=100), tmp_path)
 
 
 def test_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
-    check(meshes(seed=3, n=200), tmp_path)
+    check(meshes(seed=3, n=100), tmp_path)
 
 
 def test_mutated_lights_motions_and_media_render_or_are_refused(tmp_path):
     write_features(tmp_path)
-    check(features(seed=3, n=100), tmp_path)
+    check(features(seed=3, n=50), tmp_path)
 
 
 def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
     copy_files(tmp_path)
-    check(mitsuba_files(seed=3, n=200), tmp_path)
+    check(mitsuba_files(seed=3, n=100), tmp_path)
 
 
 def test_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
     copy_models(tmp_path)
-    check(models(seed=3, n=100), tmp_path)
+    check(models(seed=3, n=50), tmp_path)
 
 
 @pytest.mark.proofs

@@ -14,7 +14,7 @@ from lanewise.application import variable
 from lanewise.jit import instantiate, kernel, specialised
 from lanewise.machine import functions_folder, lanes_of_machine
 from lanewise.simd import LANES, load_lanes, sqrt, store_lanes
-from lanewise.source_digest import digest_of_text
+from lanewise.source_digest import digests_of_text
 from lanewise.vec3 import Vec3
 from lanewise.view import View
 
@@ -254,7 +254,8 @@ def copy_of(function, names=None, defaults=None, closure=None):
 
 
 def digest(text, words=(), callee=lambda value: value.__name__):
-    return digest_of_text(text, callee, *words)
+    found = digests_of_text(text, callee, *words)
+    return found and found[0]
 
 
 def of_names(x):
@@ -284,6 +285,15 @@ class Opaque:
 )
 def test_what_a_text_names_is_in_its_digest(names):
     assert digest(copy_of(of_names, names)) != digest(copy_of(of_names)) is not None
+
+
+def test_what_a_text_calls_is_in_one_of_its_digests():
+    """In the other one everything else is."""
+    one, alone = digests_of_text(of_names, lambda value: "inner")
+    two, same = digests_of_text(of_names, lambda value: "another")
+    _, other = digests_of_text(copy_of(of_names, {"SHIFT": 0.25}), lambda value: "inner")
+    assert one != two
+    assert alone == same != other
 
 
 def test_circumstances_closures_defaults_and_code_are_in_its_digest():

@@ -52,14 +52,14 @@ BODIES = (
     ),
     Mutant(
         "the last walk of a tile is forgotten",
-        "rendering/staged_tile.py",
+        "rendering/tile_loop.py",
         (("elif inside > 0:", "elif inside > 1:"),),
         "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
     ),
     Mutant(
         "walks that wait, and whose paths go on outside",
-        "rendering/staged_tile.py",
-        (("active=path.active & ~walk.going)\n    film", "active=path.active)\n    film"),),
+        "rendering/tile_loop.py",
+        (("~walk.going)\n        film", "True)\n        film"),),
         "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
     ),
     Mutant(

@@ -149,7 +149,7 @@ EQUIVALENT: dict[str, str] = {
         "a second guard: light paths are active while depth + 1 < LONGEST (`joined_up_to`, "
         "`write_follow`), so that they end after LONGEST - 1 vertices"
     ),
-    "rendering/tile_kernel.py render_step_by_step: 0 -> 1 (8)": (
+    "rendering/tile_loop.py tile_loop.render_samples: 0 -> 1 (8)": (
         "when a packet is filled again; each path is followed to its end in any case"
     ),
     "samplers/halton.py _divide: 0.5 -> 0.51": (

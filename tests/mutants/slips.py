@@ -4,15 +4,6 @@ from tests.mutants.mutant import Mutant
 
 LAWS_OF = "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family"
 
-#: Where there are no bodies.
-LAST_OF_THOSE_HELD = """            elif held > 0:
-                rest = True
-            elif waiting > 0:
-                path, _ = take(settings, queue, 0, waiting, NO_HIT)
-                waiting = 0
-            else:
-"""
-
 SLIPS = (
     Mutant(
         "a lobe of sheen that is narrower than its table",
@@ -192,8 +183,8 @@ SLIPS = (
     ),
     Mutant(
         "the last path that met a surface is forgotten",
-        "rendering/staged_tile.py",
-        ((LAST_OF_THOSE_HELD, LAST_OF_THOSE_HELD.replace("held > 0", "held > 1")),),
+        "rendering/tile_loop.py",
+        (("elif held > 0:", "elif held > 1:"),),
         "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_waiting[path-2-1]",
     ),
     Mutant(

@@ -8,9 +8,9 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.integrators.walk import make_settings
-from alight.rendering.staged_tile import render_bodies, render_in_stages
 from alight.rendering.tile import TileFilm
-from alight.rendering.tile_kernel import RAYS, Tile, render_step_by_step
+from alight.rendering.tile_kernel import RAYS, Tile
+from alight.rendering.tile_loop import render_step_by_step, render_tile_kernel
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.view import View
@@ -46,13 +46,13 @@ def sums_of(root, scene, spp):
 
 
 @pytest.mark.parametrize(
-    ("text", "stages", "spp"),
-    [(SCENE, render_in_stages, 1), (SCENE, render_in_stages, 7), (BODY, render_bodies, 2)],
-    ids=["1", "7", "bodies"],
+    ("text", "spp"), [(SCENE, 1), (SCENE, 7), (BODY, 2)], ids=["1", "7", "bodies"]
 )
-def test_stages_give_the_bits_of_whole_steps(text, stages, spp):
+def test_stages_give_the_bits_of_whole_steps(text, spp):
     scene = compile_scene(flatten(loads(text, "scene.yaml")), structure="list")
-    staged, whole = (sums_of(root, scene, spp) for root in (stages, render_step_by_step))
+    staged, whole = (
+        sums_of(root, scene, spp) for root in (render_tile_kernel, render_step_by_step)
+    )
     assert staged.counts.array.sum() == 64 * spp
     assert staged.tally.array[RAYS] == whole.tally.array[RAYS] > 0
     for a, b in zip(staged, whole, strict=True):

@@ -5,6 +5,9 @@ import json
 import numpy as np
 import pytest
 
+from alight.compiled.scene import compile_scene
+from alight.meshes import volume
+from alight.scene import flatten
 from tests.formats.bare import load
 from tests.formats.gltf.maker import Maker
 
@@ -40,6 +43,20 @@ def look(folder, faces=SIDES, without=(), extensions=None, **material):
     [node] = [node for _, _, node in scene.walk() if node.shape is not None]
     remarks = scene.source.remarks
     return scene.bsdfs[node.bsdf], "\n".join([*remarks.notes, *remarks.warnings])
+
+
+def test_whether_a_body_is_closed_is_found_out_once(tmp_path, monkeypatch):
+    """By the loader, and the compiler, which warns of bodies that are inside out."""
+    asked, work_out = [], volume._volume
+
+    def counted(vertices, faces):
+        asked.append(len(faces))
+        return work_out(vertices, faces)
+
+    monkeypatch.setattr(volume, "_volume", counted)
+    look(tmp_path)
+    compile_scene(flatten(load(tmp_path / "a.gltf")))
+    assert asked == [4, 4]
 
 
 def test_all_light_that_enters_is_scattered_inside(tmp_path):
