@@ -108,21 +108,28 @@ BOTH_ENDS = (
         f"{PYRAMID}::test_each_technique_alone_finds_all_light_of_its_length",
     ),
     Mutant(
-        "absorbing glass dims the way from a lamp inside it",
+        "light paths come through coloured glass undimmed",
         "integrators/light_walk.py",
-        (
-            (
-                "left_after(path.L_direct, where(active, hit.t, 0.0))",
-                "left_after(absorption(scene, surface, wl), where(active, hit.t, 0.0))",
-            ),
-        ),
+        (("come_to(scene, path, surface, hit.t, active, active)", "path"),),
         f"{HIDDEN}[in stained glass]",
+    ),
+    Mutant(
+        "light paths forget which body they have entered",
+        "integrators/light_walk.py",
+        (("bodies_beyond(scene, path.bodies, surface, path.d, d)", "path.bodies"),),
+        f"{STAINED}[Light]",
     ),
     Mutant(
         "water around the camera does not dim what it sees of light paths",
         "integrators/splats.py",
-        (("value * transmittance(", "value + 0.0 * transmittance("),),
+        (("dimmed(value, left_along(bodies, end, lit))", "value"),),
         f"{STAINED}[Light]",
+    ),
+    Mutant(
+        "joined paths forget the body between them",
+        "integrators/camera_subpath.py",
+        (("dimmed(f, left)", "f"),),
+        f"{STAINED}[Bidirectional]",
     ),
     Mutant(
         "light from infinity starts behind what would stop it",
