@@ -268,10 +268,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         active = active & ~(brightness <= 0.0)
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        bodies = bodies_beyond(scene, path.bodies, surface, path.d, d)
-        on = replace(
-            path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided, bodies=bodies
-        )
+        on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
+        on = replace(on, bodies=bodies_beyond(scene, path.bodies, surface, path.d, d))
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
@@ -374,8 +372,6 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
             if guided:
                 pdf = mixed_density(settings, here, light.wi, pdf, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
-            if not holes:
-                rays += count_lanes(lit)
             o, end = shadow_ray(surface, light)
             passed, share = lanes_u32(0), lanes(1.0)
             around = bodies_beyond(scene, path.bodies, surface, path.d, light.wi)
@@ -387,6 +383,7 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
                 lit = lit & (share > 0.0)
                 w = share * light_weight(light, pdf)
             else:
+                rays += count_lanes(lit)
                 lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
                 w, left = light_weight(light, pdf), left_along(around, end, lit)
             Le = dimmed(light.radiance, left)

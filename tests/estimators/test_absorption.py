@@ -1,4 +1,4 @@
-"""Bodies that absorb: what comes through them is Beer and Lambert's exponential, wherever it ends."""
+"""What bodies absorb: Beer and Lambert's exponential along every segment that lies in them."""
 
 import numpy as np
 import pytest
