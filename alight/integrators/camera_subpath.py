@@ -245,7 +245,10 @@ def write_extend_camera(program, tell: Any = None):
         importance = where(c.importance > 0.0, c.importance, 1.0)
         first = Techniques(paths * per_cos / importance, lanes(0.0))
         behind = where(path.delta, first, later)
-        vertex = CameraVertex(surface, wo, path.beta, behind, depth, path.bodies, path.d, active)
+        vertex = CameraVertex(
+            surface=surface, wo=wo, beta=path.beta, behind=behind, depth=depth,
+            bodies=path.bodies, d=path.d, active=active,
+        )  # fmt: skip
         path = add_direct_light(scene, settings, path, vertex)
 
         dimension = vertex_dimension(depth)

@@ -114,22 +114,10 @@ BOTH_ENDS = (
         f"{HIDDEN}[in stained glass]",
     ),
     Mutant(
-        "light paths forget which body they have entered",
-        "integrators/light_walk.py",
-        (("bodies_beyond(scene, path.bodies, surface, path.d, d)", "path.bodies"),),
-        f"{STAINED}[Light]",
-    ),
-    Mutant(
         "water around the camera does not dim what it sees of light paths",
         "integrators/splats.py",
         (("dimmed(value, left_along(bodies, end, lit))", "value"),),
         f"{STAINED}[Light]",
-    ),
-    Mutant(
-        "joined paths forget the body between them",
-        "integrators/camera_subpath.py",
-        (("dimmed(f, left)", "f"),),
-        f"{STAINED}[Bidirectional]",
     ),
     Mutant(
         "light from infinity starts behind what would stop it",
