@@ -2,13 +2,13 @@ r"""Absorption inside a clear body: Beer and Lambert's law.
 
 .. math:: T(t) = c^{t / d} = e^{-\sigma t}, \qquad \sigma = -\ln(c) / d
 
-Light keeps the colour c after the distance d inside. The surface at the end of a path segment
-determines the body that contains it: if the segment arrives at the inner side of a surface, that
-surface's material absorbs along the whole segment. No list of media is kept, so this is right for
-closed bodies, nested ones included if each boundary is one surface that names the media on both
-sides (`int_ior`, `ext_ior`); light from opaque things inside a body is dimmed on its way out, but
-not the light that comes to them. Shadow rays do not pass boundaries that refract. Segments arrive
-as seen from the camera: light paths are dimmed by the surface that they leave.
+Light keeps the colour c after the distance d inside. A segment of a path is dimmed by the body that
+it lies in, wherever it begins and ends: at the body's own boundary, at another's, at an opaque
+thing or a lamp inside, or at the camera. Which body that is: `alight.integrators.enclosing`.
+
+The body below a mask is that of its material, whatever the opacity: holes are holes in its surface.
+The body below a blend absorbs as the mean of those of its parts that have one, each with its share;
+parts whose share varies over the surface count alike.
 
 Source: Lambert, Photometria (1760); PBR4 section 11.2.
 """
@@ -59,6 +59,11 @@ class Absorbing(Bsdf):
     attenuation_distance: Annotated[float, Distance()] = math.inf
 
     @property
+    def bounds_body(self) -> bool:
+        """Whether there is a body below the surface, which light can enter."""
+        return True
+
+    @property
     def coefficients(self) -> tuple[float, float, float]:
         """Absorption coefficients, per metre."""
         r, g, b = (
@@ -70,9 +75,4 @@ class Absorbing(Bsdf):
 
 def absorption_features(spec: Absorbing) -> tuple[str, ...]:
     """What must be compiled for the inside of a body."""
-    return (ABSORBING,) if any(spec.coefficients) else ()
-
-
-def pack_absorption(spec: Absorbing, packer) -> None:
-    """Fill the slots of the coefficients, per metre."""
-    packer.numbers("absorption", *spec.coefficients)
+    return (ABSORBING,) if spec.bounds_body and any(spec.coefficients) else ()

@@ -10,8 +10,7 @@ normal points away from.
 
 Nested bodies, such as water in a glass: every boundary is one surface, whose `int_ior` and
 `ext_ior` name the media on its two sides. Overlapping surfaces have no priorities; where two
-boundaries coincide, use only one. The side of the surface that light arrives at determines the
-absorbing body, see `alight.bsdfs.absorption`.
+boundaries coincide, use only one. What bodies absorb: see `alight.bsdfs.absorption`.
 
 Source: PBR4 section 9.5; Veach, Robust Monte Carlo Methods (1997), section 5.2 for the factor.
 """
@@ -21,11 +20,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs import interface
-from alight.bsdfs.absorption import (
-    Absorbing,
-    absorption_features,
-    pack_absorption,
-)
+from alight.bsdfs.absorption import Absorbing, absorption_features
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import Interface
@@ -36,7 +31,7 @@ from alight.bsdfs.tints import Tint
 from alight.core.fresnel import fresnel_dielectric, refract
 from alight.core.parameters import loader, reader, slots_of
 from alight.core.vec import Vec3
-from alight.textures.fetch import PlainColor, Scalar
+from alight.textures.fetch import Scalar
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, where
 
@@ -82,18 +77,16 @@ class Params(NamedTuple):
     eta: Scalar
     reflectance: Tint
     transmittance: Tint
-    absorption: PlainColor
 
 
 SLOTS = slots_of(Params)
 load = loader(Params)
-inner_index, absorption = reader(Params, "eta"), reader(Params, "absorption")
+inner_index = reader(Params, "eta")
 
 
 def pack(spec: Dielectric, packer) -> None:
     """Fill the row of one material."""
     interface.pack(spec, packer)
-    pack_absorption(spec, packer)
 
 
 def features(spec: Dielectric) -> tuple[str, ...]:

@@ -92,8 +92,6 @@ class BsdfModel(Record):
         Of models that refract: index of refraction inside over that outside.
     REFRACTING : str
         What programs call it that a material of the model refracts; without it all of them do.
-    absorption : kernel ``(scene, base, surface) -> Vec3``
-        Of models with an inside: absorption coefficients, per metre.
     inside : kernel ``(scene, base, surface) -> Inside``
         Of models of a body that scatters: what is below a point of the surface.
     relative_ior : (spec) -> float
@@ -114,7 +112,6 @@ class BsdfModel(Record):
     features: Callable[[Any], tuple[str, ...]] = no_features
     inner_index: Kernel | None = None
     REFRACTING: str = ""
-    absorption: Kernel | None = None
     inside: Kernel | None = None
     relative_ior: Callable[[Any], float] | None = None
     is_lossless: Callable[[Any], bool] = not_lossless

@@ -36,11 +36,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from alight.bsdfs.absorption import (
-    Absorbing,
-    absorption_features,
-    pack_absorption,
-)
+from alight.bsdfs.absorption import Absorbing, absorption_features
 from alight.bsdfs.albedo_rows import (
     ROWS,
     Needs,
@@ -154,6 +150,11 @@ class Principled(Absorbing):
         return self.thin or not is_zero(self.transmission)
 
     @property
+    def bounds_body(self) -> bool:
+        """Whether it is glass."""
+        return self.transmissive and not self.thin
+
+    @property
     def matte(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Whether it is plastic that reflects less than 1/9 straight on, and is not black."""
         lacks = (self.metallic, self.transmission, self.iridescence)
@@ -205,7 +206,7 @@ def relative_ior(spec: Principled) -> float:
 
 SLOTS = slots_of(Params)
 load = loader(Params)
-_eta, _thin, _absorption = (reader(Params, name) for name in ("eta", "thin", "absorption"))
+_eta, _thin = (reader(Params, name) for name in ("eta", "thin"))
 
 
 def pack(spec: Principled, packer) -> None:
@@ -238,7 +239,6 @@ def pack(spec: Principled, packer) -> None:
         root = _constant(packer, "sheen_roughness")
         packer.curve("sheen_rows", sheen_rows(root))
         packer.numbers("last_sheen_rows", 0 if root is not None else SHEEN_ROWS - 1)
-    pack_absorption(spec, packer)
 
 
 def _constant(packer, name: str) -> float | None:
@@ -260,8 +260,7 @@ def features(spec: Principled) -> tuple[str, ...]:
         TEXTURED: _is_textured(spec.metallic) or _is_textured(spec.roughness),
         VARIED: any(_is_textured(getattr(spec, name)) for name in RARELY_TEXTURED),
     }
-    absorbs = () if spec.thin else absorption_features(spec)
-    return (*(name for name, used in names.items() if used), *absorbs)
+    return (*(name for name, used in names.items() if used), *absorption_features(spec))
 
 
 def _is_textured(value: object) -> bool:
@@ -272,9 +271,3 @@ def _is_textured(value: object) -> bool:
 def inner_index(scene, base, surface):
     """Index inside over that outside; 1 for sheets."""
     return where(_thin(scene, base, surface), 1.0, _eta(scene, base, surface))
-
-
-@kernel
-def absorption(scene, base, surface):
-    """Absorption coefficients inside, per metre."""
-    return where(_thin(scene, base, surface), 0.0, _absorption(scene, base, surface))

@@ -19,7 +19,6 @@ from alight.core.maths import sincos
 from alight.core.microfacet import Facets
 from alight.core.parameters import Slots, loader, slots_of
 from alight.textures.fetch import (
-    PlainColor,
     Scalar,
     TexturedColor,
     color,
@@ -230,7 +229,6 @@ class Params(NamedTuple):
     coat: Annotated[Any, Slots(_coat_at, slots_of(CoatRow))]
     sheen: Annotated[Any, Slots(_sheen_at, slots_of(SheenRow))]
     film: Annotated[Any, Slots(_film_at, slots_of(Film))]
-    absorption: PlainColor
 
 
 #: The parameters whose textures make a program `VARIED`.

@@ -27,11 +27,7 @@ from typing import Literal, NamedTuple, Self
 from pydantic import model_validator
 
 from alight.bsdfs import interface
-from alight.bsdfs.absorption import (
-    Absorbing,
-    absorption_features,
-    pack_absorption,
-)
+from alight.bsdfs.absorption import Absorbing, absorption_features
 from alight.bsdfs.facets import (
     FacetsOfRow,
     Rough,
@@ -48,7 +44,7 @@ from alight.core.microfacet import facet_density, sample_visible_facet, visible_
 from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
-from alight.textures.fetch import PlainColor, Scalar
+from alight.textures.fetch import Scalar
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, maximum, where
 
@@ -117,19 +113,17 @@ class Params(NamedTuple):
     reflectance: Tint
     transmittance: Tint
     facets: FacetsOfRow
-    absorption: PlainColor
 
 
 SLOTS = slots_of(Params)
 load = loader(Params)
-inner_index, absorption = reader(Params, "eta"), reader(Params, "absorption")
+inner_index = reader(Params, "eta")
 
 
 def pack(spec: RoughDielectric, packer) -> None:
     """Fill the row of one material."""
     interface.pack(spec, packer)
     pack_facets(spec, packer)
-    pack_absorption(spec, packer)
 
 
 def features(spec: RoughDielectric) -> tuple[str, ...]:

@@ -8,14 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from alight.bsdfs.absorption import ABSORBING
 from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, Inside, stride_of
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
-from alight.core.maths import exp
 from alight.core.registry import Kernel
 from alight.core.switch import is_one_of, switch
-from alight.core.vec import Vec3
 from lanewise.jit import kernel, specialised
 from lanewise.records import replace
 from lanewise.simd import (
@@ -297,56 +294,6 @@ def _inner_index_of(model, base_of):
     @kernel
     def answer(scene, surface, kind, row, active, value):
         return inner_index(scene, base_of(row, active), surface)
-
-    return answer
-
-
-def absorbs(program) -> bool:
-    """Whether `transmittance` may be other than 1."""
-    return ABSORBING in program.bsdfs
-
-
-@specialised
-def absorption(program):
-    """``(scene, surface, w) -> Vec3``: absorption of the body that w (local frame) leads into.
-
-    Per metre. Glass that is a part of a blend absorbs nothing.
-    """
-    bodies = [model for model in models_of(program) if model.absorption is not None]
-    answers = _answers(program, bodies, _absorption_of)
-
-    @kernel
-    def absorption(scene, surface, w):
-        inside = w.z < 0.0
-        kind = _kind(scene, surface.bsdf)
-        sigma = answers(scene, surface, kind, surface.bsdf, inside, lanes_vec3(0.0))
-        return where(inside, sigma, 0.0)
-
-    return absorption
-
-
-@kernel
-def left_after(sigma, t):
-    """What remains of light after t metres at the absorption sigma per metre."""
-    return Vec3(exp(-sigma.x * t), exp(-sigma.y * t), exp(-sigma.z * t))
-
-
-@kernel
-def transmittance(scene, surface, wo, t):
-    """What the body around a piece of a path leaves of its light, a Vec3.
-
-    The piece of length t ends at the surface, on a path from the camera, coming from wo (local
-    frame).
-    """
-    return left_after(absorption(scene, surface, wo), t)
-
-
-def _absorption_of(model, base_of):
-    absorption = model.absorption
-
-    @kernel
-    def answer(scene, surface, kind, row, active, value):
-        return absorption(scene, base_of(row, active), surface)
 
     return answer
 

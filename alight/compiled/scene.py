@@ -8,6 +8,8 @@ from functools import partial
 from typing import Any
 
 from alight.accel.accelerator import build_accelerator
+from alight.bsdfs.absorption import ABSORBING
+from alight.compiled.bodies import with_bodies
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
 from alight.compiled.kept import Kept
@@ -129,6 +131,8 @@ def compile_scene(
     kept, paths = kept or Kept(), MotionTable()
     given, flat = flat, displaced(flat, kept)
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
+    if ABSORBING in bsdfs:
+        materials = with_bodies(materials, flat)
     shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
     accel, plan, stats = kept(
         f"{structure} by {builder}",

@@ -12,7 +12,7 @@ from typing import Any
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
+from alight.bsdfs.switch import concentration, has_null, refracts
 from alight.cameras.rays import connect_camera
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, dot, length, length_squared, max_component
@@ -23,6 +23,14 @@ from alight.integrators.connection_weights import (
     techniques_beyond,
     together,
     weight_beside,
+)
+from alight.integrators.enclosing import (
+    begin_inside,
+    bodies_beyond,
+    come_to,
+    dimmed,
+    left_along,
+    left_between,
 )
 from alight.integrators.light_subpath import LONGEST, Walk, nothing_behind
 from alight.integrators.roulette import play_roulette
@@ -35,8 +43,8 @@ from alight.integrators.walk import (
     LIGHT_POINT,
     begin_paths,
     count_lanes,
+    empty_paths,
     gather_light,
-    no_paths,
     to_local,
     to_world,
     vertex_dimension,
@@ -54,8 +62,9 @@ from lanewise.records import replace
 from lanewise.simd import absolute, any_lane, lanes, lanes_mask, lanes_u32, sqrt, to_float, where
 
 #: Where camera paths have met surfaces. wo: local direction that they came from; beta: throughput;
-#: behind: `Techniques`; depth: u32, edges from the camera; active: mask.
-CameraVertex = namedtuple("CameraVertex", "surface wo beta behind depth active")
+#: behind: `Techniques`; depth: u32, edges from the camera; bodies: `Bodies` in which they came,
+#: along d; active: mask.
+CameraVertex = namedtuple("CameraVertex", "surface wo beta behind depth bodies d active")
 
 
 @kernel
@@ -64,7 +73,7 @@ def begin_camera(rays):
 
     `path.delta` says that a path has no vertex beside the camera yet.
     """
-    path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
+    path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, empty_paths())
     return Walk(path, nothing_behind())
 
 
@@ -169,15 +178,18 @@ def write_add_direct_light(program, tell: Any):
             lit = lit & ~(max_component(f_cos) <= 0.0)
             _, reverse = evaluate_bsdf(scene, surface, wi, v.wo, lit)
             o, end = shadow_ray(surface, light)
+            around = bodies_beyond(scene, v.bodies, surface, v.d, light.wi)
             passed, share = lanes_u32(0), lanes(1.0)
             if holes:
                 # A hole is the end of an edge, for paths and so for shadow rays too.
                 most = passed + settings.max_depth - v.depth - 1
-                share, passed, rays = come_through_holes(scene, o, light.wi, end, most, lit, rays)
+                ray = o, light.wi, end, around
+                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
             else:
                 rays += count_lanes(lit)
                 lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
+                left = left_along(around, end, lit)
             per_pdf = 1.0 / where(lit, light.pdf, 1.0)
             emission = emission_density(scene, index, surface.p, -light.wi, light.distance)
             emission = emission * absolute(dot(surface.ng, light.wi))
@@ -188,7 +200,7 @@ def write_add_direct_light(program, tell: Any):
             direct = direct_density_of_sample(scene, light, index)
             others = others / where(direct > 0.0, direct, 1.0)
             w = weight_beside(others)
-            found = v.beta * f_cos * light.radiance * (share * w * per_pdf)
+            found = v.beta * f_cos * dimmed(light.radiance, left) * (share * w * per_pdf)
             path = gather_light(path, found, lit, lanes_mask(False))
             if told:
                 tell(scene, place_of(path), (lanes_u32(1), v.depth + 1), lit, found, w)
@@ -208,21 +220,20 @@ def write_extend_camera(program, tell: Any = None):
     leave, reach, add_direct_light = (
         write(program, tell) for write in (write_leave, write_reach, write_add_direct_light)
     )
-    absorbing, refracting, holes = absorbs(program), refracts(program), has_null(program)
+    refracting, holes = refracts(program), has_null(program)
     roulette = program.option("russian_roulette") == "throughput"
 
     @kernel
     def extend_camera(scene, settings, walk, paths):
         path, before = walk.path, walk.behind
+        path = begin_inside(scene, path, path.active & (path.depth == 0))
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
         path = replace(path, rays=path.rays + count_lanes(path.active))
         path = leave(scene, Walk(path, before), path.active & (hit.t == INFINITY))
         active, depth = path.active & (hit.t < INFINITY), path.depth + 1
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
-        if absorbing:
-            share = transmittance(scene, surface, wo, where(active, hit.t, 0.0))
-            path = replace(path, beta=where(active, path.beta * share, path.beta))
+        path = come_to(scene, path, surface, hit.t, active, active)
         path = reach(scene, Walk(path, before), surface, active)
         active = active & (depth < settings.max_depth)
 
@@ -234,7 +245,10 @@ def write_extend_camera(program, tell: Any = None):
         importance = where(c.importance > 0.0, c.importance, 1.0)
         first = Techniques(paths * per_cos / importance, lanes(0.0))
         behind = where(path.delta, first, later)
-        vertex = CameraVertex(surface, wo, path.beta, behind, depth, active)
+        vertex = CameraVertex(
+            surface=surface, wo=wo, beta=path.beta, behind=behind, depth=depth,
+            bodies=path.bodies, d=path.d, active=active,
+        )  # fmt: skip
         path = add_direct_light(scene, settings, path, vertex)
 
         dimension = vertex_dimension(depth)
@@ -249,7 +263,8 @@ def write_extend_camera(program, tell: Any = None):
         active = active & ~(brightness <= 0.0)
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active)
+        bodies = bodies_beyond(scene, path.bodies, surface, path.d, d)
+        on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, bodies=bodies)
         if roulette:
             if refracting:
                 # A path in glass is not dim: it regains on the way out what it lost on the way in.
@@ -277,7 +292,7 @@ def write_join(program, tell: Any = None):
 
     z is a `CameraVertex`, y a `LightVertex`; the settings are those of `joined_up_to`.
     """
-    absorbing, holes, told = absorbs(program), has_null(program), tell is not None
+    holes, told = has_null(program), tell is not None
 
     @kernel
     def join(scene, settings, path, z, y):
@@ -294,20 +309,20 @@ def write_join(program, tell: Any = None):
             f_z, pdf_z = evaluate_bsdf(scene, z.surface, z.wo, wi, lit)
             f_y, back_y = evaluate_bsdf(scene, y.surface, wc, y.wl, lit)
             f = f_z * f_y * (cos_y * per_squared)
-            if absorbing:
-                f = f * transmittance(scene, y.surface, wc, where(lit, distance, 0.0))
             lit = lit & ~(max_component(f) <= 0.0)
             passed = lanes_u32(0)
             o = spawn_origin(z.surface.p, z.surface.error, z.surface.ng, w)
             end = shadow_length(distance, cos_y, y.surface.error, z.surface.error)
-            share = lanes(1.0)
+            share, around = lanes(1.0), bodies_beyond(scene, z.bodies, z.surface, z.d, w)
             if holes:
                 most = passed + settings.max_depth - edges
-                share, passed, rays = come_through_holes(scene, o, w, end, most, lit, rays)
+                ray = o, w, end, around
+                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
             else:
                 rays += count_lanes(lit)
                 lit = lit & ~is_occluded(scene, o, w, end, lit)
+                left = left_between(scene, around, y.surface, w, end, lit)
             if any_lane(lit):
                 _, back_z = evaluate_bsdf(scene, z.surface, wi, z.wo, lit)
                 _, pdf_y = evaluate_bsdf(scene, y.surface, y.wl, wc, lit)
@@ -315,7 +330,7 @@ def write_join(program, tell: Any = None):
                 by_camera = pdf_z * cos_y * per_squared * all_behind(y.behind, back_y)
                 by_light = pdf_y * cos_z * per_squared * all_behind(z.behind, back_z)
                 weight = weight_beside(together(by_camera, by_light))
-                found = z.beta * y.beta * f * (share * weight)
+                found = z.beta * y.beta * dimmed(f, left) * (share * weight)
                 path = gather_light(path, found, lit, lanes_mask(False))
                 if told:
                     tell(scene, place_of(path), (y.depth + 1, edges), lit, found, weight)

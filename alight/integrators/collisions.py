@@ -9,6 +9,7 @@ from collections import namedtuple
 
 from alight.bsdfs.flags import DELTA
 from alight.bsdfs.model import BsdfValue
+from alight.integrators.enclosing import dimmed, left_along
 from alight.integrators.guided import evaluate_at_surface, is_guided, sample_at_surface
 from alight.integrators.volume_walk import FREE_FLIGHT, mean
 from alight.integrators.walk import gather_light, gather_unguided, vertex_dimension
@@ -78,7 +79,8 @@ def shine(program):
     def shine(scene, path, t, albedo, scattered):
         Le = emission(scene, where(scattered, path.medium, 0), path.o + t * path.d)
         absorbed = lanes_vec3(1.0) - albedo
-        emitted = path.beta * absorbed * Le * (1.0 / mean(path.ours))
+        left = left_along(path.bodies, t, scattered)
+        emitted = dimmed(path.beta * absorbed * Le, left) * (1.0 / mean(path.ours))
         path = gather_light(path, emitted, scattered, path.depth <= 1)
         if guided:
             path = gather_unguided(path, emitted, scattered)

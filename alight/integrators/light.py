@@ -25,9 +25,10 @@ from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.cameras.rays import connect_camera, connect_far_camera, sees_far
 from alight.core.constants import INFINITY
 from alight.core.vec import dot
+from alight.integrators.enclosing import bodies_beyond
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
 from alight.integrators.options import PathLengths
-from alight.integrators.splats import Splat, dimmed, lens_numbers, write_show
+from alight.integrators.splats import Splat, lens_numbers, write_show
 from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
@@ -74,17 +75,20 @@ def _sees_nothing(scene, settings, e, numbers, new):
 
 
 def _write_see_lamps(program, show):
-    """``(scene, settings, e, (sampler, u, u2), new) -> (splat, rays)``: shapes that shine."""
+    """``(scene, settings, e, numbers, new) -> (splat, rays)``: shapes that shine.
+
+    numbers: (sampler, u, u2, bodies), with the `Bodies` that the paths begin in.
+    """
     if not on_shapes(program):
         return _sees_nothing
 
     @kernel
     def see_lamps(scene, settings, e, numbers, new):
-        sampler, u, u2 = numbers
+        sampler, u, u2, around = numbers
         depth = lanes_u32(0)
         c = connect_camera(scene, e.p, lens_numbers(sampler, depth))
         intensity, o = emission_towards(scene, e.light, u, u2, c.o)
-        at = (sampler, depth, c, o)
+        at = (sampler, depth, c, o, around)
         return show(scene, settings, at, c.distance, new, intensity * c.importance)
 
     return see_lamps
@@ -98,14 +102,14 @@ def _write_see_surroundings(program, show):
 
     @kernel
     def see_surroundings(scene, settings, e, numbers, new):
-        sampler, _, _ = numbers
+        sampler, _, _, around = numbers
         depth, wi = lanes_u32(0), -e.d
         c = connect_far_camera(scene, wi, lens_numbers(sampler, depth))
         density = e.choice * arriving_pdf(scene, e.p, wi)
         around = new & is_around(scene, e.light, count) & (density > 0.0)
         value = environment_radiance(scene, wi) * (c.importance / where(around, density, 1.0))
         # From the camera outwards: at its other end the ray has no place to start from.
-        back = (sampler, depth, replace(c, w=wi), c.o)
+        back = (sampler, depth, replace(c, w=wi), c.o, around)
         return show(scene, settings, back, lanes(INFINITY), around, value)
 
     return see_surroundings
@@ -125,7 +129,8 @@ def begin(program):
         path, e = set_out(scene, settings, new, sampler)
         first = vertex_dimension(lanes_u32(1))
         numbers = (
-            sampler, get_1d(sampler, first + LIGHT_CHOICE), get_2d(sampler, first + LIGHT_POINT)
+            sampler, get_1d(sampler, first + LIGHT_CHOICE), get_2d(sampler, first + LIGHT_POINT),
+            path.bodies,
         )  # fmt: skip
         splat, rays = see_lamps(scene, settings, e, numbers, new)
         far, more = see_surroundings(scene, settings, e, numbers, new)
@@ -150,8 +155,9 @@ def extend(program):
         wc = to_local(surface, c.w)
         f_cos, _ = evaluate_bsdf(scene, surface, wc, wl, seen)
         corrected = absolute(dot(surface.ng, c.w)) * per_cos * c.importance
-        at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
-        value = dimmed(scene, surface, wc, c, path.beta * f_cos * corrected)
+        around = bodies_beyond(scene, path.bodies, surface, path.d, c.w)
+        at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w), around)
+        value = path.beta * f_cos * corrected
         splat, more = show(scene, settings, at, c.distance, seen, value)
 
         path, _ = leave(scene, settings, path, arrival)

@@ -24,8 +24,9 @@ from alight.integrators.connection_weights import (
     techniques_beyond,
     weight_beside,
 )
+from alight.integrators.enclosing import bodies_beyond
 from alight.integrators.light_walk import set_out_by, write_arrive, write_follow, write_turn
-from alight.integrators.splats import dimmed, lens_numbers, write_show
+from alight.integrators.splats import lens_numbers, write_show
 from alight.integrators.walk import (
     count_lanes,
     to_local,
@@ -162,8 +163,9 @@ def write_extend_light(program, tell: Any = None):
         f_cos, reverse = evaluate_bsdf(scene, surface, wc, arrival.wl, seen)
         geometry = absolute(dot(surface.ng, c.w)) * c.importance
         w = weight_beside(geometry / paths * all_behind(behind, reverse))
-        at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w))
-        value = dimmed(scene, surface, wc, c, vertex.beta * f_cos * (geometry * w))
+        around = bodies_beyond(scene, path.bodies, surface, path.d, c.w)
+        at = (sampler, depth, c, spawn_origin(surface.p, surface.error, surface.ng, c.w), around)
+        value = vertex.beta * f_cos * (geometry * w)
         splat, more = show(scene, settings, at, c.distance, seen, value)
         if told:
             place, technique = (splat.x, splat.y), (depth + 1, depth + 1)
@@ -173,7 +175,7 @@ def write_extend_light(program, tell: Any = None):
         path = replace(path, active=path.active & (depth + 1 < settings.max_depth))
         dimension = vertex_dimension(depth + 1) + OTHER_HALF
         way = turn(scene, path, arrival, dimension)
-        on = follow(settings, path, surface, way, dimension)
+        on = follow(scene, settings, path, surface, way, dimension)
         delta = (way.flags & DELTA) != 0
         pdf = where(delta | ~(way.pdf > 0.0), 1.0, way.pdf)
         after = techniques_beyond(behind, absolute(dot(surface.ng, way.d)), pdf, way.reverse, delta)

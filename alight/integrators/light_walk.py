@@ -12,10 +12,6 @@ quotient of the geometric cosines is Veach's correction for shading normals: wit
 directions of a path would carry different light. Flux is not concentrated in glass as radiance is:
 where a lobe of Dirac refracts, its weight's 1 / eta^2 is taken back.
 
-What dims an edge in absorbing glass is decided by its end on the light's side, at which a path from
-the camera would arrive (`alight.bsdfs.absorption`). `PathState.L_direct` carries it along, per
-metre.
-
 Source: Veach 1997, Robust Monte Carlo methods for light transport simulation, sections 5.2 and 5.3.
 """
 
@@ -27,15 +23,13 @@ from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import (
-    absorbs,
-    absorption,
     has_null,
-    left_after,
     refracts,
     squared_index,
 )
 from alight.core.constants import INFINITY
 from alight.core.vec import dot, max_component
+from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to
 from alight.integrators.roulette import play_roulette
 from alight.integrators.walk import (
     BSDF_CHOICE,
@@ -54,16 +48,15 @@ from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import absolute, any_lane, lanes, lanes_u32, lanes_vec3, where
+from lanewise.simd import absolute, any_lane, lanes, lanes_u32, where
 
 #: Where light arrives. surface; wl: unit direction that it comes from, in the shading frame;
 #: per_cos: float, 1 / |wl . n_g|.
 Arrival = namedtuple("Arrival", "surface wl per_cos")
 
 #: Where light goes on. d: unit direction; weight: factor of the flux; pdf: per steradian, `reverse`
-#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`; absorption: Vec3, per
-#: metre of the edge that begins.
-Turn = namedtuple("Turn", "d weight pdf reverse flags absorption")
+#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`.
+Turn = namedtuple("Turn", "d weight pdf reverse flags")
 
 
 @kernel
@@ -95,7 +88,7 @@ def set_out_by(scene, settings, new, sampler, first):
         sampler=sampler,
         active=new & ~(brightness <= 0.0) & (lanes_u32(1) < settings.max_depth),
     )
-    return path, e
+    return begin_inside(scene, path, path.active), e
 
 
 def write_arrive(program):
@@ -103,7 +96,6 @@ def write_arrive(program):
 
     Paths stay active where there is one; they are still on the edge that leads to it.
     """
-    absorbing = absorbs(program)
 
     @kernel
     def arrive(scene, path):
@@ -112,14 +104,12 @@ def write_arrive(program):
         active = path.active & (hit.t < INFINITY)
         surface = make_surface(scene, hit, path.o, path.d, active)
         # The viewer's side of a path from the camera is the far one here.
-        wl, beta = to_local(surface, -path.d), path.beta
-        if absorbing:
-            share = left_after(path.L_direct, where(active, hit.t, 0.0))
-            beta = where(active, beta * share, beta)
+        wl = to_local(surface, -path.d)
+        path = come_to(scene, path, surface, hit.t, active, active)
         cos_l = absolute(dot(surface.ng, path.d))
         active = active & (cos_l > 0.0)
         per_cos = 1.0 / where(active, cos_l, 1.0)
-        path = replace(path, beta=beta, active=active, rays=rays)
+        path = replace(path, active=active, rays=rays)
         return path, Arrival(surface, wl, per_cos)
 
     return arrive
@@ -138,7 +128,7 @@ def write_leave(program):
         path = replace(path, active=path.active & (depth < settings.max_depth))
         dimension = vertex_dimension(depth + 1)
         way = turn(scene, path, arrival, dimension)
-        return follow(settings, path, arrival.surface, way, dimension), way.flags
+        return follow(scene, settings, path, arrival.surface, way, dimension), way.flags
 
     return leave
 
@@ -148,7 +138,7 @@ def write_turn(program):
 
     They are chosen by the random numbers from `dimension` on.
     """
-    absorbing, refracting = absorbs(program), refracts(program)
+    refracting = refracts(program)
 
     @kernel
     def turn(scene, path, arrival, dimension):
@@ -171,35 +161,34 @@ def write_turn(program):
             inside, outside = squared_index(scene, surface, wo), squared_index(scene, surface, wl)
             turned = turned * inside / outside
         weight = where(delta & ((flags & NULL) == 0), weight * turned, weight)
-        dim = absorption(scene, surface, wo) if absorbing else lanes_vec3(0.0)
-        return Turn(d, weight, pdf, reverse, flags, dim)
+        return Turn(d, weight, pdf, reverse, flags)
 
     return turn
 
 
 def write_follow(program):
-    """``(settings, path, surface, turn, dimension) -> path``: active paths on their next edge."""
+    """``(scene, settings, path, surface, turn, dimension) -> path``: active paths on their way."""
     holes = has_null(program)
     roulette = program.option("russian_roulette") == "throughput"
 
     @kernel
-    def follow(settings, path, surface, turn, dimension):
+    def follow(scene, settings, path, surface, turn, dimension):
         active, depth, d = path.active, path.depth + 1, turn.d
         beta = where(active, path.beta * turn.weight, path.beta)
         brightness = max_component(beta)
         # Not "brightness > 0": a NaN must live on and be counted by the film.
         active = active & ~(brightness <= 0.0) & (depth + 1 < settings.max_depth)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
-        dim = turn.absorption
+        bodies = bodies_beyond(scene, path.bodies, surface, path.d, d)
         on = replace(
-            path, o=o, d=d, p=surface.p, beta=beta, L_direct=dim, depth=depth, active=active
+            path, o=o, d=d, p=surface.p, beta=beta, depth=depth, active=active, bodies=bodies
         )
         if roulette:
             # Of the flux that the path began with.
             on = play_roulette(settings, on, dimension, brightness / path.pdf)
         if holes:
             beyond = spawn_origin(surface.p, surface.error, surface.ng, path.d)
-            unseen = replace(path, o=beyond, beta=beta, L_direct=dim, depth=depth, active=active)
+            unseen = replace(path, o=beyond, beta=beta, depth=depth, active=active, bodies=bodies)
             on = where((turn.flags & NULL) != 0, unseen, on)
         return replace(on, sampler=path.sampler, rays=path.rays)
 

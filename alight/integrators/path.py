@@ -50,12 +50,13 @@ from typing import Annotated, ClassVar, Literal
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
+from alight.bsdfs.switch import concentration, has_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed, left_along
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -198,6 +199,7 @@ def _write_trace(program, bsdf_weight, listeners):
     @kernel
     def trace(scene, settings, path):
         """Follow the rays to the next surface."""
+        path = begin_inside(scene, path, path.active & (path.depth == 0))
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
         path = replace(path, rays=path.rays + count_lanes(path.active))
         missed = path.active & (hit.t == INFINITY)
@@ -222,7 +224,6 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
-    absorbing = absorbs(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = _write_end_dim_paths(program)
 
@@ -232,10 +233,6 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         active, depth = path.active, path.depth + 1
         surface = make_surface(scene, hit, path.o, path.d, active)
         wo = to_local(surface, -path.d)
-        if absorbing:
-            # Dimmed by the glass that the ray crossed.
-            share = transmittance(scene, surface, wo, where(active, hit.t, 0.0))
-            path = replace(path, beta=where(active, path.beta * share, path.beta))
         if recorded:
             meet(scene, path, surface, depth, active)
 
@@ -244,6 +241,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         if hides:
             hidden = active & is_from_camera(path) & (surface.light != 0)
             active = active & ~hidden
+        # Dimmed by the body that the ray crossed.
+        path = come_to(scene, path, surface, hit.t, active, active | hidden)
 
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
@@ -270,6 +269,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
+        on = replace(on, bodies=bodies_beyond(scene, path.bodies, surface, path.d, d))
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
@@ -372,24 +372,26 @@ def _write_add_direct_light(program, light_weight, by_light, listeners):
             if guided:
                 pdf = mixed_density(settings, here, light.wi, pdf, lit)
             lit = lit & ~(max_component(f_cos) <= 0.0)
-            if not holes:
-                rays += count_lanes(lit)
             o, end = shadow_ray(surface, light)
             passed, share = lanes_u32(0), lanes(1.0)
+            around = bodies_beyond(scene, path.bodies, surface, path.d, light.wi)
             if holes:
                 # A hole is the end of an edge, for paths and so for shadow rays too.
                 most = passed + settings.max_depth - depth - 1
-                share, passed, rays = come_through_holes(scene, o, light.wi, end, most, lit, rays)
+                ray = o, light.wi, end, around
+                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
                 w = share * light_weight(light, pdf)
             else:
+                rays += count_lanes(lit)
                 lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
-                w = light_weight(light, pdf)
-            Ld = path.beta * f_cos * light.radiance * (w / light.pdf)
+                w, left = light_weight(light, pdf), left_along(around, end, lit)
+            Le = dimmed(light.radiance, left)
+            Ld = path.beta * f_cos * Le * (w / light.pdf)
             path = gather_light(path, Ld, lit, depth + passed <= 1)
             if guided:
                 w = share * light_weight(light, of_bsdf)
-                Lu = path.beta * f_cos * light.radiance * (w / light.pdf)
+                Lu = path.beta * f_cos * Le * (w / light.pdf)
                 path = gather_unguided(path, Lu, lit)
             if recorded:
                 sample(scene, path, surface.p, n, passed, lit, Ld)

@@ -6,11 +6,8 @@ walk through a body.
 
 from __future__ import annotations
 
-from alight.bsdfs.switch import absorbs
 from alight.core.vec import Vec3
 from alight.integrators.body_walk import no_walks
-from alight.integrators.guided import is_guided
-from alight.integrators.model import model_of
 from alight.integrators.walk import count_lanes, empty_paths
 from lanewise.jit import kernel, specialised
 from lanewise.records import local_records, put_records, records_at, replace
@@ -27,9 +24,8 @@ NO_HIT = ()
 
 
 def _keeps_direct(program) -> bool:
-    """Whether `L_direct` is in use: light paths carry there what dims them in absorbing glass."""
-    from_lights = is_guided(program) or model_of(program).begin is not None
-    return "direct" in program.aovs or (absorbs(program) and from_lights)
+    """Whether `L_direct` is in use."""
+    return "direct" in program.aovs
 
 
 @specialised

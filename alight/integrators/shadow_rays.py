@@ -15,6 +15,7 @@ from alight.bsdfs.dispatch import open_share
 from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
 from alight.core.vec import dot, max_component
+from alight.integrators.enclosing import all_left, cross_straight, left_along
 from alight.integrators.volume_walk import medium_beyond
 from alight.integrators.walk import count_lanes
 from alight.media.sampling import cross
@@ -30,9 +31,10 @@ from lanewise.simd import any_lane, lanes, lanes_u32, lanes_vec3, where
 def come_through(program):
     """What of the light comes through to the end of a `Segment`.
 
-    ``(scene, segment, most, lit, rays) -> (Crossing, passed, rays)``. The segment's medium is what
-    the rays start in; `passed` counts the surfaces that they went through. Nothing comes through
-    more than `most` of them.
+    ``(scene, segment, bodies, most, lit, rays) -> (Crossing, left, passed, rays)``. The segment's
+    medium and the `Bodies` are what the rays start in; `left` is what those leave of the light, a
+    Vec3 or (), see `alight.integrators.enclosing`; `passed` counts the surfaces that the rays went
+    through. Nothing comes through more than `most` of them.
     """
     if has_null(program):
         return _through_borders
@@ -40,28 +42,34 @@ def come_through(program):
 
 
 @kernel
-def come_through_holes(scene, o, d, end, most, lit, rays):
-    """`come_through` where there are no media: (part of the light, surfaces passed, rays)."""
+def come_through_holes(scene, ray, most, lit, rays):
+    """`come_through` where there are no media: (part of the light, left, surfaces passed, rays).
+
+    ray: origin, direction, length in metres and `Bodies`.
+    """
+    o, d, end, bodies = ray
     none = lanes_u32(0)
     segment = Segment(o, d, end, none, none, Stream(none, none, none))
-    crossing, passed, rays = come_through(scene, segment, most, lit, rays)
-    return crossing.passed.x * crossing.boost, passed, rays
+    crossing, left, passed, rays = come_through(scene, segment, bodies, most, lit, rays)
+    return crossing.passed.x * crossing.boost, left, passed, rays
 
 
 @kernel
-def _through_empty_space(scene, segment, most, lit, rays):
+def _through_empty_space(scene, segment, bodies, most, lit, rays):
     dark = is_occluded(scene, segment.o, segment.d, segment.length, lit)
     passed = where(dark, lanes_vec3(0.0), lanes_vec3(1.0))
     found = Crossing(passed, lanes_vec3(1.0), lanes(1.0))
-    return found, lanes_u32(0), rays + count_lanes(lit)
+    left = left_along(bodies, segment.length, lit)
+    return found, left, lanes_u32(0), rays + count_lanes(lit)
 
 
 @kernel
-def _along_one_segment(scene, segment, most, lit, rays):
+def _along_one_segment(scene, segment, bodies, most, lit, rays):
     dark = is_occluded(scene, segment.o, segment.d, segment.length, lit)
     found = cross(scene, segment, lit & ~dark)
     found = replace(found, passed=where(dark, lanes_vec3(0.0), found.passed))
-    return found, lanes_u32(0), rays + count_lanes(lit)
+    left = left_along(bodies, segment.length, lit)
+    return found, left, lanes_u32(0), rays + count_lanes(lit)
 
 
 @specialised
@@ -78,10 +86,10 @@ def _cross_segment(program):
 
 
 @kernel
-def _through_borders(scene, segment, most, lit, rays):
+def _through_borders(scene, segment, bodies, most, lit, rays):
     passed, light, boost = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
     o, d, end, medium = segment.o, segment.d, segment.length, segment.medium
-    going, number = lit, lanes_u32(0)
+    going, number, left = lit, lanes_u32(0), all_left()
     while any_lane(going):
         rays += count_lanes(going)
         hit = intersect_closest(scene, o, d, end, going)
@@ -94,6 +102,7 @@ def _through_borders(scene, segment, most, lit, rays):
         light = where(going, light * found.light, light)
         boost = where(going, boost * found.boost, boost)
         surface = make_surface(scene, hit, o, d, met)
+        bodies, left = cross_straight(scene, bodies, left, surface, (d, t), (going, met))
         number = where(met, number + 1, number)
         share = where(number > most, 0.0, open_share(scene, surface, met))
         # Not a factor of `passed`, which is a density of paths too: theirs leaves the holes out.
@@ -106,4 +115,4 @@ def _through_borders(scene, segment, most, lit, rays):
         medium = where(through, medium_beyond(scene, surface, d, medium), medium)
         o = where(through, beyond, o)
         going = through
-    return Crossing(passed, light, boost), number, rays
+    return Crossing(passed, light, boost), left, number, rays

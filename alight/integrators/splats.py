@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel import is_occluded
-from alight.bsdfs.switch import absorbs, has_null, transmittance
+from alight.bsdfs.switch import has_null
 from alight.core.vec import max_component
 from alight.filters.splatting import choose_pixel
+from alight.integrators.enclosing import dimmed, left_along
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import count_lanes, vertex_dimension
 from alight.samplers.sampling import get_2d
-from lanewise.jit import kernel, specialised
+from lanewise.jit import kernel
 from lanewise.simd import absolute, any_lane, lanes_u32, lanes_vec3, where
 
 #: Further places among the dimensions of a vertex: the pixel that a point belongs to, the lens.
@@ -23,15 +24,16 @@ Splat = namedtuple("Splat", "x y value lit")
 
 
 def write_show(program):
-    """Connections: ``(scene, settings, (sampler, depth, c, o), end, lit, value) -> (splat, rays)``.
+    """Connections: ``(scene, settings, at, end, lit, value) -> (splat, rays)``.
 
-    o is where the ray to the camera starts, `value` what it carries but for what is in its way.
+    at: (sampler, depth, c, o, bodies); the ray to the camera starts at o, in `Bodies`; `value` is
+    what it carries but for what is in its way.
     """
     holes = has_null(program)
 
     @kernel
     def show(scene, settings, at, end, lit, value):
-        sampler, depth, c, o = at
+        sampler, depth, c, o, bodies = at
         lit = lit & c.visible & ~(max_component(value) <= 0.0)
         u2 = get_2d(sampler, vertex_dimension(depth + 1) + PIXEL)
         x, across = choose_pixel(scene, where(lit, c.x, 0.0), u2[0])
@@ -42,35 +44,16 @@ def write_show(program):
         if any_lane(lit):
             if holes:
                 most = lanes_u32(0) + settings.max_depth - depth - 1
-                share, _, rays = come_through_holes(scene, o, c.w, end, most, lit, rays)
+                ray = o, c.w, end, bodies
+                share, left, _, rays = come_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
-                value = value * share
+                value = dimmed(value * share, left)
             else:
                 lit = lit & ~is_occluded(scene, o, c.w, end, lit)
+                value = dimmed(value, left_along(bodies, end, lit))
         return Splat(x, y, where(lit, value, lanes_vec3(0.0)), lit), rays
 
     return show
-
-
-@specialised
-def dimmed(program):
-    """``dimmed(scene, surface, wc, c, value)``: what absorbing glass leaves for the camera.
-
-    wc: local direction to it; c: the `Connection`.
-    """
-    if not absorbs(program):
-
-        @kernel
-        def all_of_it(scene, surface, wc, c, value):
-            return value
-
-        return all_of_it
-
-    @kernel
-    def the_rest(scene, surface, wc, c, value):
-        return value * transmittance(scene, surface, wc, where(c.visible, c.distance, 0.0))
-
-    return the_rest
 
 
 @kernel

@@ -32,6 +32,7 @@ from alight.integrators.collisions import (
     sample_anywhere,
     turn_in_medium,
 )
+from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -133,6 +134,7 @@ def step(program):
     @kernel
     def volpath_step(scene, settings, path):
         """One more surface or collision of each path."""
+        path = begin_inside(scene, path, path.active & (path.steps == 0))
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
         path = replace(path, rays=path.rays + count_lanes(path.active))
         # The media on the way: a collision comes before the surface, or none does.
@@ -153,6 +155,8 @@ def step(program):
         if hides:
             hidden = met & (path.depth == 0) & (surface.light != 0)
             passing, shining = passing | hidden, met & ~hidden
+        # Dimmed by the body that the ray crossed.
+        path = come_to(scene, path, surface, t, shining, met | scattered)
         if area_lights:
             path = reach_lamp(scene, path, hit, surface, shining)
         active = (met | scattered) & ~passing & (depth < settings.max_depth)
@@ -201,9 +205,10 @@ def step(program):
         d = where(passing, path.d, turn.d)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         medium = medium_beyond(scene, surface, d, path.medium)
+        bodies = bodies_beyond(scene, path.bodies, surface, path.d, d)
         on = replace(
             path, o=where(scattered, p, o), d=d, medium=where(scattered, path.medium, medium),
-            unguided=unguided,
+            unguided=unguided, bodies=where(shining, bodies, path.bodies),
         )  # fmt: skip
         lights = where(turn.delta, lanes_vec3(0.0), path.ours * (1.0 / maximum(turn.pdf, 1e-30)))
         vertex = replace(
@@ -270,14 +275,17 @@ def _write_add_direct_light(chosen_weight, by_light, guided):
             medium = where(scattered, path.medium, medium)
             stream = stream_of(path.sampler, 2 * path.steps + 1)
             segment = Segment(o, light.wi, end, medium, path.channel, stream)
-            crossing, _, rays = come_through(scene, segment, UNLIMITED, lit, rays)
+            around = bodies_beyond(scene, path.bodies, surface, path.d, light.wi)
+            around = where(scattered, path.bodies, around)
+            crossing, left, _, rays = come_through(scene, segment, around, UNLIMITED, lit, rays)
+            Le = dimmed(light.radiance, left)
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost
-            Ld = path.beta * f_cos * light.radiance * crossing.passed * w
+            Ld = path.beta * f_cos * Le * crossing.passed * w
             path = gather_light(path, Ld, lit, path.depth == 0)
             if guided:
                 w = chosen_weight(path, light, of_bsdf, crossing) * crossing.boost
-                found = path.beta * f_cos * light.radiance * crossing.passed * w
+                found = path.beta * f_cos * Le * crossing.passed * w
                 path = gather_unguided(path, found, lit)
         return replace(path, rays=rays)
 

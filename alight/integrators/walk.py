@@ -11,10 +11,12 @@ from collections import namedtuple
 
 import numpy as np
 
+from alight.bsdfs.bodies import absorbs
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, luminance, normalize
 from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
+from alight.integrators.enclosing import no_bodies
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
@@ -40,12 +42,13 @@ from lanewise.simd import (
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
-#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty.
+#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
+#: bodies : `alight.integrators.enclosing.Bodies` where bodies absorb light, else empty.
 #:
 #: Paths from lights keep other things in three of them: L_direct, absorption per metre; pdf, the
 #: brightness that they began with; delta, see `alight.integrators.light_subpath`.
 PathState = namedtuple(
-    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided"
+    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies"
 )
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
@@ -107,7 +110,7 @@ def no_paths():
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
-        active=lanes_mask(False), rays=as_int(0), unguided=(),
+        active=lanes_mask(False), rays=as_int(0), unguided=(), bodies=(),
     )  # fmt: skip
 
 
@@ -138,6 +141,8 @@ def begin_paths(new, o, d, weight, sampler, path):
 def empty_paths(program):
     """``empty_paths()``: inactive paths, with all that the integrator keeps."""
     own = model_of(program).empty_paths or no_paths
+    if absorbs(program):
+        own = _empty_paths_in_bodies(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -156,6 +161,8 @@ def start_paths(program):
     `start_paths`.
     """
     own = model_of(program).start_paths or begin_paths
+    if absorbs(program):
+        own = _start_paths_outside(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -165,6 +172,27 @@ def start_paths(program):
         return replace(path, unguided=where(new, begin_unguided(), path.unguided))
 
     return start_guided_paths
+
+
+def _empty_paths_in_bodies(own):
+    """``empty_paths()`` where bodies absorb light."""
+
+    @kernel
+    def empty_paths_in_bodies():
+        return replace(own(), bodies=no_bodies())
+
+    return empty_paths_in_bodies
+
+
+def _start_paths_outside(own):
+    """``start_paths(new, o, d, weight, sampler, path)`` of the same; see `begin_inside`."""
+
+    @kernel
+    def start_paths_outside(new, o, d, weight, sampler, path):
+        path = own(new, o, d, weight, sampler, path)
+        return replace(path, bodies=where(new, no_bodies(), path.bodies))
+
+    return start_paths_outside
 
 
 @kernel(strict=True)

@@ -11,6 +11,7 @@ from alight.laws import (
     bsdfs,
     cameras,
     emission,
+    features,
     filters,
     integrators,
     lights,
@@ -85,6 +86,13 @@ def _check_light(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]:
     yield from _simple((*laws, *emission.LAWS), compiled_laws)(examples, compiled)
 
 
+def _check_integrator(examples: Sequence[Spec], compiled: bool) -> Iterator[Result]:
+    yield from _simple(integrators.LAWS, integrators.COMPILED_LAWS)(examples, compiled)
+    for law in features.FIRST_LAWS:
+        for name in features.FEATURES:
+            yield judged(law, f"{_short(examples[0])}, {name}", examples[0], name)
+
+
 def _simple(
     laws: Sequence[Callable], compiled_laws: Sequence[Callable] = ()
 ) -> Callable[[Sequence[Spec], bool], Iterator[Result]]:
@@ -118,7 +126,7 @@ CHECKS: dict[str, Callable[[Sequence[Spec], bool], Iterator[Result]]] = {
     "phases": _simple(phases.LAWS),
     "media": _simple(media.LAWS),
     "lights": _check_light,
-    "integrators": _simple(integrators.LAWS, integrators.COMPILED_LAWS),
+    "integrators": _check_integrator,
     "textures": _simple(textures.LAWS, textures.COMPILED_LAWS),
     "filters": _simple(filters.LAWS, filters.COMPILED_LAWS),
     "cameras": _simple(cameras.LAWS, cameras.COMPILED_LAWS),

@@ -14,6 +14,7 @@ from alight.core.constants import INFINITY
 from alight.core.vec import length, luminance, max_component
 from alight.guiding.light_records import record_arrivals
 from alight.integrators.collisions import Turn, pass_media, turn_in_medium
+from alight.integrators.enclosing import dimmed, left_along
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
@@ -98,12 +99,13 @@ def _write_extend_in_media(program):
 
     @kernel
     def extend(scene, settings, log, path):
-        way, dim, depth = path.L.x, path.L_direct, path.depth + 1
+        way, depth = path.L.x, path.depth + 1
         hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
         path, collided, t = pass_media(scene, path, hit.t)
         # Media that shine light no path from a lamp.
-        path = replace(path, L=lanes_vec3(0.0), L_direct=dim)
+        path = replace(path, L=lanes_vec3(0.0))
         met, arrival = arrive(scene, replace(path, active=path.active & ~collided))
+        path = replace(path, beta=dimmed(path.beta, left_along(path.bodies, t, collided)))
         surface = arrival.surface
         p = where(collided, path.o + t * path.d, surface.p)
         way = way + length(p - path.o)

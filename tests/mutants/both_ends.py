@@ -108,20 +108,15 @@ BOTH_ENDS = (
         f"{PYRAMID}::test_each_technique_alone_finds_all_light_of_its_length",
     ),
     Mutant(
-        "absorbing glass dims the way from a lamp inside it",
+        "light paths come through coloured glass undimmed",
         "integrators/light_walk.py",
-        (
-            (
-                "left_after(path.L_direct, where(active, hit.t, 0.0))",
-                "left_after(absorption(scene, surface, wl), where(active, hit.t, 0.0))",
-            ),
-        ),
+        (("come_to(scene, path, surface, hit.t, active, active)", "path"),),
         f"{HIDDEN}[in stained glass]",
     ),
     Mutant(
         "water around the camera does not dim what it sees of light paths",
         "integrators/splats.py",
-        (("value * transmittance(", "value + 0.0 * transmittance("),),
+        (("dimmed(value, left_along(bodies, end, lit))", "value"),),
         f"{STAINED}[Light]",
     ),
     Mutant(

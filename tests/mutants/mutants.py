@@ -4,6 +4,7 @@ from tests.mutants.agreement import AGREEMENT
 from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
+from tests.mutants.coloured_glass import COLOURED_GLASS
 from tests.mutants.compiler import COMPILER
 from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
@@ -41,6 +42,7 @@ MUTANTS = (
     + LIGHT
     + EMISSION
     + BOTH_ENDS
+    + COLOURED_GLASS
     + TRANSPORT
     + RAYS
     + FILM

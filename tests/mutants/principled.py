@@ -69,13 +69,8 @@ PRINCIPLED = (
     ),
     Mutant(
         "bodies that absorb nothing",
-        "bsdfs/absorption.py",
-        (
-            (
-                'packer.numbers("absorption", *spec.coefficients)',
-                'packer.numbers("absorption", 0, 0, 0)',
-            ),
-        ),
+        "compiled/bodies.py",
+        (("[body or NO_BODY for body in bodies]", "[NO_BODY for body in bodies]"),),
         "tests/estimators/test_absorption.py::test_light_through_a_body_falls_exponentially",
     ),
     Mutant(
