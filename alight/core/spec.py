@@ -301,6 +301,8 @@ class Integrator(Spec):
         A dark scene gives a black picture.
     sees_media, walks_inside : bool
         Media, and bodies that scatter inside, play their part; those that follow light must say so.
+    sees_dispersion : bool
+        It follows paths through materials that disperse light for one wavelength each.
     transports : bool
         Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
@@ -312,6 +314,7 @@ class Integrator(Spec):
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
     walks_inside: ClassVar[bool] = False
+    sees_dispersion: ClassVar[bool] = False
     transports: ClassVar[bool] = False
     splats: ClassVar[bool] = False
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, luminance, normalize
+from alight.core.wavelengths import DISPERSIVE
 from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
 from alight.integrators.model import model_of
@@ -40,9 +41,10 @@ from lanewise.simd import (
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
-#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty.
+#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
+#: monochromatic : mask, `beta` is that of one wavelength, where materials disperse light, else ().
 PathState = namedtuple(
-    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided"
+    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided monochromatic"
 )
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
@@ -56,7 +58,8 @@ GuidedSettings = namedtuple("GuidedSettings", (*Settings._fields, "guide", "log"
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
 
-#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time (`moments`).
+#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time (`moments`),
+#: 6 the wavelength (`dispersed`).
 FILTER, LENS = 0, 2
 CAMERA_DIMENSIONS = 8
 
@@ -91,6 +94,7 @@ def no_paths():
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
         active=lanes_mask(False), rays=as_int(0), unguided=(),
+        monochromatic=(),
     )  # fmt: skip
 
 
@@ -121,6 +125,8 @@ def begin_paths(new, o, d, weight, sampler, path):
 def empty_paths(program):
     """``empty_paths()``: inactive paths, with all that the integrator keeps."""
     own = model_of(program).empty_paths or no_paths
+    if DISPERSIVE in program.bsdfs:
+        own = _with_empty_mask(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -139,6 +145,8 @@ def start_paths(program):
     `start_paths`.
     """
     own = model_of(program).start_paths or begin_paths
+    if DISPERSIVE in program.bsdfs:
+        own = _with_mask(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -148,6 +156,27 @@ def start_paths(program):
         return replace(path, unguided=where(new, begin_unguided(), path.unguided))
 
     return start_guided_paths
+
+
+def _with_empty_mask(own):
+    """``empty_paths()`` of a program in which materials disperse light."""
+
+    @kernel
+    def empty_paths_of_all_wavelengths():
+        return replace(own(), monochromatic=lanes_mask(False))
+
+    return empty_paths_of_all_wavelengths
+
+
+def _with_mask(own):
+    """``start_paths(new, o, d, weight, sampler, path)`` of the same."""
+
+    @kernel
+    def start_paths_of_all_wavelengths(new, o, d, weight, sampler, path):
+        path = own(new, o, d, weight, sampler, path)
+        return replace(path, monochromatic=path.monochromatic & ~new)
+
+    return start_paths_of_all_wavelengths
 
 
 @kernel(strict=True)
