@@ -102,7 +102,11 @@ def pack(spec: Dielectric, packer) -> None:
 
 def features(spec: Dielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    glass = interface.features(spec), dispersion_features(spec), absorption_features(spec)
+    glass = (
+        interface.features(spec),
+        dispersion_features(spec.dispersion),
+        absorption_features(spec),
+    )
     return tuple(name for names in glass for name in names)
 
 

@@ -163,6 +163,8 @@ def extremes_of(dispersion: float | tuple[float, ...] | str, n_d: float) -> tupl
 
 def out_of_range(low: float, high: float, least: float = 1.0) -> PydanticCustomError:
     """The message for indices that kernels are not made for."""
+    if not low <= high:
+        return invalid("the coefficients of dispersion give no index at some wavelengths")
     text = f"indices must be in [{least:g}, 5] at {SHORTEST:g} to {LONGEST:g} nm"
     return invalid(f"{text}, and dispersion makes them {low:.6g} to {high:.6g}")
 

@@ -163,10 +163,15 @@ class Principled(Absorbing):
 
     @model_validator(mode="after")
     def _has_indices(self) -> Self:
-        low, high = extremes_of(_dispersion(self), max(self.ior, LEAST_IOR))
+        low, high = extremes_of(self.abbe_number, max(self.ior, LEAST_IOR))
         if not LEAST_IOR <= low <= high <= 5.0:
             raise out_of_range(low, high, LEAST_IOR)
         return self
+
+    @property
+    def abbe_number(self) -> float:
+        """`dispersion` where it counts, else 0."""
+        return self.dispersion if self.transmissive and not self.thin else 0.0
 
     @property
     def transmissive(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -190,8 +195,7 @@ def is_zero(value: object) -> bool:
 EXAMPLES = (
     Principled(base_color=(0.9, 0.5, 0.1)),
     Principled(base_color=1.0, metallic=1.0, roughness=0.7, anisotropy=0.6),
-    Principled(base_color=1.0, transmission=1.0, roughness=0.6, ior=1.4, attenuation_distance=2.0),
-    Principled(base_color=1.0, transmission=1.0, roughness=0.2, dispersion=20.0),
+    Principled(base_color=1.0, transmission=1.0, roughness=0.6, ior=1.4, dispersion=20.0),
     Principled(
         base_color=(0.8, 0.1, 0.1), clearcoat=0.9, clearcoat_roughness=0.4, sheen_color=0.5,
         metallic=0.3, iridescence=0.6, specular_color=(1.0, 0.6, 0.2), specular=0.8,
@@ -245,7 +249,7 @@ def pack(spec: Principled, packer) -> None:
     refracts = spec.transmissive and not spec.thin
     eta = max(spec.ior, LEAST_IOR) if refracts else spec.ior
     packer.numbers("eta", eta)
-    pack_spread(packer, _dispersion(spec), eta)
+    pack_spread(packer, spec.abbe_number, eta)
     packer.numbers("thin", spec.thin)
     packer.numbers("compensated", spec.compensation)
     needs = Needs(eta, refracts, not is_zero(spec.iridescence))
@@ -284,12 +288,7 @@ def features(spec: Principled) -> tuple[str, ...]:
     }
     absorbs = () if spec.thin else absorption_features(spec)
     used = (name for name, is_used in names.items() if is_used)
-    return (*used, *dispersion_features(_dispersion(spec)), *absorbs)
-
-
-def _dispersion(spec: Principled) -> float:
-    """Abbe's number where it counts."""
-    return spec.dispersion if spec.transmissive and not spec.thin else 0.0
+    return (*used, *dispersion_features(spec.abbe_number), *absorbs)
 
 
 def _is_textured(value: object) -> bool:

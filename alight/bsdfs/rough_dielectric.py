@@ -139,7 +139,7 @@ def pack(spec: RoughDielectric, packer) -> None:
 def features(spec: RoughDielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
     glass = (
-        interface.features(spec), dispersion_features(spec), facet_features(spec),
+        interface.features(spec), dispersion_features(spec.dispersion), facet_features(spec),
         absorption_features(spec),
     )  # fmt: skip
     return tuple(name for names in glass for name in names)

@@ -232,8 +232,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     def shade(scene, settings, path, hit):
         """One more vertex, where the rays of active paths met a surface."""
         active, depth = path.active, path.depth + 1
-        surface = make_surface(scene, hit, path.o, path.d, active)
-        surface = at_wavelength_of(surface, path.sampler)
+        surface = at_wavelength_of(make_surface(scene, hit, path.o, path.d, active), path.sampler)
         wo = to_local(surface, -path.d)
         if absorbing:
             # Dimmed by the glass that the ray crossed.
@@ -254,7 +253,6 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
-
         path = meet_dispersion(scene, surface, path, active)
         here = guide_at(settings, surface.p) if guided else NOWHERE
 

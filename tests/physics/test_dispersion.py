@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 import alight
+from alight.bsdfs.dielectric import Dielectric
 from alight.bsdfs.dispersion import SUBSTANCES, extremes_of, indices, spread_of
+from alight.bsdfs.switch import SPREADS
+from alight.compiled.materials import compile_materials
+from alight.core.errors import SceneError
+from alight.core.registry import specs
 from alight.core.wavelengths import (
+    DISPERSIVE,
     LINE_C,
     LINE_D,
     LINE_F,
@@ -153,3 +159,58 @@ nodes:
   ball: {shape: sphere, bsdf: {type: rough_dielectric, dispersion: 20, alpha: 0.001}}
 """)
     assert _agrees(picture_of(scene, 16), 1.0) < 0.1
+
+
+@pytest.mark.parametrize("model", ["dielectric", "rough_dielectric", "principled"])
+def test_only_what_disperses_light_is_followed_by_wavelengths(model):
+    """Scenes without it have the kernels, and so the bits, that they had."""
+    spec = specs("bsdfs")[model]
+    glass = {"transmission": 1.0} if model == "principled" else {}
+    for given, disperses in ((0.0, False), (30.0, True)):
+        _, names, _ = compile_materials([spec(dispersion=given, **glass)])
+        assert (DISPERSIVE in names) == disperses
+    if glass:
+        for plain in ({}, {"transmission": 1.0, "thin": True}):
+            assert DISPERSIVE not in compile_materials([spec(dispersion=30.0, **plain)])[1]
+
+
+def test_parts_of_a_blend_disperse_light_too():
+    blend = specs("bsdfs")["blend"](
+        bsdfs=(Dielectric(dispersion="bk7"), specs("bsdfs")["diffuse"]())
+    )
+    for material, spreads in ((blend, True), (Dielectric(), False)):
+        tables, _, _ = compile_materials([material])
+        assert bool(tables.info.array[1] & SPREADS) == spreads
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"dispersion": "sf12"}, 'did you mean "sf11"?'),
+        ({"dispersion": 0.5}, "must be in [1, 10000], or 0 (Abbe)"),
+        ({"dispersion": [1, 2, 3]}, "got [1, 2, 3]"),
+        ({"dispersion": [1.5, 0.9]}, "dispersion makes them 3.23611 to 7.73269"),
+        ({"dispersion": [1, 1, 1, 0.3, 0.3, 0.3]}, "no index at some wavelengths"),
+        ({"dispersion": "bk7", "int_ior": 1.6}, "leave out one of them"),
+    ],
+)
+def test_what_is_wrong_is_said(given, words):
+    with pytest.raises(SceneError) as error:
+        Dielectric(**given)
+    assert words in str(error.value)
+
+
+def test_indices_follow_from_coefficients():
+    assert Dielectric(dispersion="sf11").int_ior == pytest.approx(1.78472, abs=1e-5)
+    assert Dielectric(dispersion="sf11").replaced(ext_ior=1.3).int_ior > 1.78
+    assert Dielectric(dispersion=(1.5, 0.01)).int_ior == pytest.approx(1.5 + 0.01 / 0.5875618**2)
+    assert Dielectric(dispersion=30.0, int_ior=1.7).int_ior == 1.7
+
+
+def test_integrators_that_see_no_wavelengths_say_so():
+    text = PRISM.format(
+        kind="bidirectional", glass="{type: dielectric, dispersion: 30}", edge=0, x0=-1, z0=-1,
+        x1=1, z1=-1,
+    ).replace("russian_roulette: none", "heuristic: power")  # fmt: skip
+    with pytest.raises(SceneError, match=r"does not see that materials disperse light.*use path"):
+        loads(text)
