@@ -74,7 +74,7 @@ class AbbeNumber(Interval):
     """Metadata of a field that holds Abbe's number, or 0 for no dispersion."""
 
     low: float = 1.0
-    high: float = 1e4
+    high: float = 1e3
 
     def check(self, value: object) -> Any:
         """Return `value` as a Python number, or raise an error that states the allowed range."""

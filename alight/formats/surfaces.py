@@ -22,7 +22,7 @@ Data = dict[str, Any]
 LARGEST_IOR = 5.0
 BRIGHTEST = 4.0 / 9.0
 #: Indices of glass differ from 1 by this at least, and the largest Abbe number of a material.
-LEAST_PART, LARGEST_ABBE = 1e-3, 1e4
+LEAST_PART, LARGEST_ABBE = 1e-3, 1e3
 #: What reflects less is taken for this dark, so that a tint can be divided by it.
 _DARKEST = 1e-4
 

@@ -12,7 +12,7 @@ from alight.films.fixed_point import put_limbs
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.integrators.queue import NO_HIT, empty_queue, put, take
-from alight.integrators.walk import count_lanes, no_paths
+from alight.integrators.walk import count_lanes, empty_paths
 from alight.rendering.tile_kernel import (
     INVALID,
     RAYS,
@@ -104,7 +104,7 @@ def render_light_tile(scene, settings, places, ranges, film):
     places: (tile, window), both of `Tile`.
     """
     tile, window = places
-    path, queue = no_paths(), empty_queue(NO_HIT)
+    path, queue = empty_paths(), empty_queue(NO_HIT)
     cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
     _, cells = count_cells(tile)
     waiting, rays = 0, 0

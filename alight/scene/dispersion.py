@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from alight.bsdfs.model import BSDFS
 from alight.bsdfs.nesting import Nested
@@ -33,14 +33,14 @@ def _dispersive(scene: Scene) -> Iterator[str]:
         bsdf, place = node.bsdf, f"{path}.bsdf"
         if isinstance(bsdf, str):
             bsdf, place = known.get(bsdf), join_path("bsdfs", bsdf)
-        if bsdf is not None and _disperses(bsdf, known):
+        if bsdf is not None and disperses_light(bsdf, known):
             yield place
 
 
-def _disperses(spec: Bsdf | str, known: dict[str, Bsdf]) -> bool:
-    """Whether a material, or a part of it, disperses light."""
+def disperses_light(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> bool:
+    """Whether a material, or a part of it, disperses light; `known` holds those with names."""
     if isinstance(spec, str):
-        return spec in known and _disperses(known[spec], known)
+        return spec in known and disperses_light(known[spec], known)
     if isinstance(spec, Nested):
-        return any(_disperses(part.bsdf, known) for part in spec.parts)
+        return any(disperses_light(part.bsdf, known) for part in spec.parts)
     return DISPERSIVE in BSDFS[spec.type_name()].features(spec)
