@@ -5,6 +5,7 @@ from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
 from tests.mutants.compiler import COMPILER
+from tests.mutants.dispersed import DISPERSED
 from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
@@ -46,6 +47,7 @@ MUTANTS = (
     + FILM
     + MATTES
     + DISPLACEMENT
+    + DISPERSED
     + FACETS
     + TEXTURES
     + MATERIALS
