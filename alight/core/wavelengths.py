@@ -76,7 +76,8 @@ def _scaled() -> list[list[float]]:
     matched = _matched(at)
     xyz = np.array([matched.x, matched.y, matched.z], np.float64)
     matrix = np.array(_RGB_OF_XYZ)
-    return (matrix / np.trapezoid(matrix @ xyz, at)[:, None]).tolist()
+    integrals = np.asarray(np.trapezoid(matrix @ xyz, at))
+    return (matrix / integrals[:, np.newaxis]).tolist()
 
 
 (_RX, _RY, _RZ), (_GX, _GY, _GZ), (_BX, _BY, _BZ) = _scaled()
