@@ -43,6 +43,9 @@ from lanewise.simd import (
 #: rays : uniform whole number, rays traced by all lanes so far;
 #: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
 #: monochromatic : mask, `beta` is that of one wavelength, where materials disperse light, else ().
+#:
+#: Paths from lights keep other things in three of them: L_direct, absorption per metre; pdf, the
+#: brightness that they began with; delta, see `alight.integrators.light_subpath`.
 PathState = namedtuple(
     "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided monochromatic"
 )
