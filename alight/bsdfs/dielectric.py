@@ -22,8 +22,8 @@ from typing import ClassVar, Literal, NamedTuple
 from alight.bsdfs import interface
 from alight.bsdfs.absorption import Absorbing, absorption_features
 from alight.bsdfs.dirac import evaluate as evaluate
+from alight.bsdfs.dispersion import Dispersive, Index, dispersion_features, pack_spread
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
-from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import is_lossless as is_lossless
 from alight.bsdfs.interface import relative_ior as relative_ior
@@ -31,18 +31,19 @@ from alight.bsdfs.tints import Tint
 from alight.core.fresnel import fresnel_dielectric, refract
 from alight.core.parameters import loader, reader, slots_of
 from alight.core.vec import Vec3
-from alight.textures.fetch import Scalar
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, where
 
 
-class Dielectric(Interface, Absorbing):
+class Dielectric(Dispersive, Absorbing):
     """Clear glass, water and the like.
 
     Parameters
     ----------
     int_ior, ext_ior, specular_reflectance, specular_transmittance
         As in `alight.bsdfs.interface.Interface`.
+    dispersion
+        As in `alight.bsdfs.dispersion.Dispersive`.
     attenuation_color, attenuation_distance
         As in `alight.bsdfs.absorption.Absorbing`.
     """
@@ -56,6 +57,7 @@ EXAMPLES = (
     Dielectric(int_ior="water", ext_ior="bk7"),
     Dielectric(int_ior="diamond", ext_ior="vacuum"),
     Dielectric(int_ior=1.0, ext_ior=1.0),
+    Dielectric(dispersion="sf10"),
     Dielectric(specular_reflectance=(0.9, 0.6, 0.2), specular_transmittance=(0.3, 1.0, 0.8)),
 )
 
@@ -74,7 +76,7 @@ def is_reciprocal(spec: Dielectric) -> bool:
 class Params(NamedTuple):
     """A row of the table."""
 
-    eta: Scalar
+    eta: Index
     reflectance: Tint
     transmittance: Tint
 
@@ -87,11 +89,17 @@ inner_index = reader(Params, "eta")
 def pack(spec: Dielectric, packer) -> None:
     """Fill the row of one material."""
     interface.pack(spec, packer)
+    pack_spread(packer, spec.dispersion, spec.int_ior, spec.ext_ior)
 
 
 def features(spec: Dielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    return (*interface.features(spec), *absorption_features(spec))
+    glass = (
+        interface.features(spec),
+        dispersion_features(spec.dispersion),
+        absorption_features(spec),
+    )
+    return tuple(name for names in glass for name in names)
 
 
 # ---------------------------------------------------------------- scattering

@@ -34,7 +34,9 @@ Kelemen and Szirmay-Kalos 2001 for the diffuse part; Walter et al. 2007 for refr
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
+
+from pydantic import model_validator
 
 from alight.bsdfs.absorption import Absorbing, absorption_features
 from alight.bsdfs.albedo_rows import (
@@ -42,6 +44,13 @@ from alight.bsdfs.albedo_rows import (
     Needs,
     albedo_rows,
     facet_rows,
+)
+from alight.bsdfs.dispersion import (
+    AbbeNumber,
+    dispersion_features,
+    extremes_of,
+    out_of_range,
+    pack_spread,
 )
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.principled_lobes import albedo as albedo
@@ -106,6 +115,9 @@ class Principled(Absorbing):
         How much rougher the tangent's direction is, and the angle that it is turned by, radians.
     transmission : UnitTexture, default 0
         Share of glass in what is not metal.
+    dispersion : float, default 0
+        Abbe's number of glass, which refracts each wavelength by an index of its own
+        (`alight.bsdfs.dispersion`); 0 for one index. Without effect if `thin`.
     thin : bool, default False
         Whether the surface is a thin sheet, not the boundary of a body.
     clearcoat, clearcoat_roughness : UnitTexture, defaults 0
@@ -134,6 +146,7 @@ class Principled(Absorbing):
     anisotropy: UnitTexture = 0.0
     anisotropy_rotation: Angle = 0.0
     transmission: UnitTexture = 0.0
+    dispersion: Annotated[float, AbbeNumber()] = 0.0
     thin: Truth = False
     clearcoat: UnitTexture = 0.0
     clearcoat_roughness: UnitTexture = 0.0
@@ -143,6 +156,18 @@ class Principled(Absorbing):
     iridescence_ior: IndexOfRefraction = 1.3
     iridescence_thickness: Thickness = 400.0
     compensation: Truth = True
+
+    @model_validator(mode="after")
+    def _has_indices(self) -> Self:
+        low, high = extremes_of(self.abbe_number, max(self.ior, LEAST_IOR))
+        if not LEAST_IOR <= low <= high <= 5.0:
+            raise out_of_range(low, high, LEAST_IOR)
+        return self
+
+    @property
+    def abbe_number(self) -> float:
+        """`dispersion` where it counts, else 0."""
+        return self.dispersion if self.transmissive and not self.thin else 0.0
 
     @property
     def transmissive(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -171,7 +196,7 @@ def is_zero(value: object) -> bool:
 EXAMPLES = (
     Principled(base_color=(0.9, 0.5, 0.1)),
     Principled(base_color=1.0, metallic=1.0, roughness=0.7, anisotropy=0.6),
-    Principled(base_color=1.0, transmission=1.0, roughness=0.6, ior=1.4, attenuation_distance=2.0),
+    Principled(base_color=1.0, transmission=1.0, roughness=0.6, ior=1.4, dispersion=20.0),
     Principled(
         base_color=(0.8, 0.1, 0.1), clearcoat=0.9, clearcoat_roughness=0.4, sheen_color=0.5,
         metallic=0.3, iridescence=0.6, specular_color=(1.0, 0.6, 0.2), specular=0.8,
@@ -225,6 +250,7 @@ def pack(spec: Principled, packer) -> None:
     refracts = spec.transmissive and not spec.thin
     eta = max(spec.ior, LEAST_IOR) if refracts else spec.ior
     packer.numbers("eta", eta)
+    pack_spread(packer, spec.abbe_number, eta)
     packer.numbers("thin", spec.thin)
     packer.numbers("compensated", spec.compensation)
     needs = Needs(eta, refracts, not is_zero(spec.iridescence))
@@ -260,7 +286,9 @@ def features(spec: Principled) -> tuple[str, ...]:
         TEXTURED: _is_textured(spec.metallic) or _is_textured(spec.roughness),
         VARIED: any(_is_textured(getattr(spec, name)) for name in RARELY_TEXTURED),
     }
-    return (*(name for name, used in names.items() if used), *absorption_features(spec))
+    absorbs = () if spec.thin else absorption_features(spec)
+    used = (name for name, is_used in names.items() if is_used)
+    return (*used, *dispersion_features(spec.abbe_number), *absorbs)
 
 
 def _is_textured(value: object) -> bool:

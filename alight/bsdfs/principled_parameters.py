@@ -12,6 +12,7 @@ from typing import Annotated, Any, NamedTuple
 
 from alight.bsdfs.albedo_rows import LEAST_ALPHA, ROW, alpha_along
 from alight.bsdfs.albedo_table import load_rows
+from alight.bsdfs.dispersion import Index
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.rows import rows_at, rows_in_slots
 from alight.bsdfs.sheen import ROW as SHEEN_ROW
@@ -220,7 +221,7 @@ class Params(NamedTuple):
     metallic: Usual
     brush: Annotated[Any, Slots(_brush_at, slots_of(BrushRow))]
     rows: Annotated[Any, Slots(load_rows, {"rows": 1, "last_row": 1})]
-    eta: Scalar
+    eta: Index
     specular: Rare
     specular_color: RareColor
     transmission: Rare

@@ -28,6 +28,7 @@ from pydantic import model_validator
 
 from alight.bsdfs import interface
 from alight.bsdfs.absorption import Absorbing, absorption_features
+from alight.bsdfs.dispersion import Dispersive, Index, dispersion_features, pack_spread
 from alight.bsdfs.facets import (
     FacetsOfRow,
     Rough,
@@ -35,7 +36,6 @@ from alight.bsdfs.facets import (
     pack_facets,
 )
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
-from alight.bsdfs.interface import Interface
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import relative_ior as relative_ior
 from alight.bsdfs.tints import Tint
@@ -44,7 +44,6 @@ from alight.core.microfacet import facet_density, sample_visible_facet, visible_
 from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
-from alight.textures.fetch import Scalar
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, maximum, where
 
@@ -52,7 +51,7 @@ from lanewise.simd import absolute, lanes_u32, maximum, where
 LEAST_DIFFERENCE = 1e-3
 
 
-class RoughDielectric(Interface, Rough, Absorbing):
+class RoughDielectric(Dispersive, Rough, Absorbing):
     """Frosted glass, ice, ground crystals.
 
     Parameters
@@ -61,6 +60,8 @@ class RoughDielectric(Interface, Rough, Absorbing):
         As in `alight.bsdfs.interface.Interface`; the indices differ by at least 0.1 %.
     distribution, alpha, alpha_u, alpha_v
         As in `alight.bsdfs.facets.Rough`.
+    dispersion
+        As in `alight.bsdfs.dispersion.Dispersive`.
     attenuation_color, attenuation_distance
         As in `alight.bsdfs.absorption.Absorbing`.
     """
@@ -69,7 +70,8 @@ class RoughDielectric(Interface, Rough, Absorbing):
 
     @model_validator(mode="after")
     def _refracts(self) -> Self:
-        if abs(self.int_ior / self.ext_ior - 1.0) < LEAST_DIFFERENCE:
+        low, high = (index / self.ext_ior - 1.0 for index in self.extreme_indices)
+        if low < LEAST_DIFFERENCE and high > -LEAST_DIFFERENCE:
             given = f"{self.int_ior:g} and {self.ext_ior:g}"
             text = "int_ior and ext_ior must differ by at least 0.1 %"
             raise invalid(f"{text}, got {given}; equal media are of type dielectric or null")
@@ -109,7 +111,7 @@ def is_reciprocal(spec: RoughDielectric) -> bool:
 class Params(NamedTuple):
     """A row of the table."""
 
-    eta: Scalar
+    eta: Index
     reflectance: Tint
     transmittance: Tint
     facets: FacetsOfRow
@@ -123,12 +125,16 @@ inner_index = reader(Params, "eta")
 def pack(spec: RoughDielectric, packer) -> None:
     """Fill the row of one material."""
     interface.pack(spec, packer)
+    pack_spread(packer, spec.dispersion, spec.int_ior, spec.ext_ior)
     pack_facets(spec, packer)
 
 
 def features(spec: RoughDielectric) -> tuple[str, ...]:
     """What must be compiled for this material beyond the model's usual path."""
-    glass = interface.features(spec), facet_features(spec), absorption_features(spec)
+    glass = (
+        interface.features(spec), dispersion_features(spec.dispersion), facet_features(spec),
+        absorption_features(spec),
+    )  # fmt: skip
     return tuple(name for names in glass for name in names)
 
 

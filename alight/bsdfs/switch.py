@@ -28,9 +28,9 @@ from lanewise.simd import (
     where,
 )
 
-#: Bits of a material's flags: the back looks like the front; both Dirac and smooth lobes; and
-#: from bit `RELIEF` on, the row of its normal or bump map + 1.
-TWO_SIDED, MIXED, RELIEF = 1, 2, 2
+#: Bits of a material's flags: the back looks like the front; both Dirac and smooth lobes; it, or a
+#: part of it, disperses light; and from bit `RELIEF` on, the row of its normal or bump map + 1.
+TWO_SIDED, MIXED, SPREADS, RELIEF = 1, 2, 4, 3
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
 
@@ -42,7 +42,7 @@ def _kind(scene, row):
 
 @kernel
 def material_flags(scene, row):
-    """Bits `TWO_SIDED` and `MIXED` of a material."""
+    """Bits `TWO_SIDED`, `MIXED` and `SPREADS` of a material."""
     return gather(scene.materials.info, 2 * row + 1)
 
 

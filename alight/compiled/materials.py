@@ -21,10 +21,11 @@ from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import MIXED, RELIEF, SAME_BACK, TWO_SIDED
+from alight.bsdfs.switch import MIXED, RELIEF, SAME_BACK, SPREADS, TWO_SIDED
 from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable
 from alight.core.spec import Bsdf, Texture
+from alight.core.wavelengths import DISPERSIVE
 from lanewise.view import View
 
 
@@ -108,7 +109,7 @@ class _Rows:
         """Make the row that a shape refers to; returns the models of the material."""
         found = list(leaves(spec))
         if len(found) > 1:
-            self.put(_weighing(spec), MIXED)
+            self.put(_weighing(spec), MIXED | SPREADS * any(map(_spreads, found)))
             self.used.add(DELTA_AND_SMOOTH)
         else:
             self.put(found[0].bsdf, self.flags(found[0]))
@@ -120,6 +121,7 @@ class _Rows:
         features = BSDFS[name].features(leaf.bsdf)
         self.used |= {name, *features} | ({SAME_BACK} if leaf.two_sided else set())
         flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
+        flags |= SPREADS * _spreads(leaf)
         if leaf.relief is not None:
             self.used |= set(BSDFS[leaf.relief.type_name()].features(leaf.relief))
             flags |= (self.reliefs[leaf.relief] + 1) << RELIEF
@@ -158,6 +160,11 @@ class _Rows:
             lists.append(factors)
             end = first + len(factors)
         return np.array([*heads, *(word for words in lists for word in words), 0, 0], np.uint32)
+
+
+def _spreads(leaf: Leaf) -> bool:
+    """Whether a model disperses light."""
+    return DISPERSIVE in BSDFS[leaf.bsdf.type_name()].features(leaf.bsdf)
 
 
 def _weighing(spec: Bsdf) -> Bsdf:

@@ -217,10 +217,7 @@ class PhaseFunction(Spec):
 
 
 class Medium(Spec):
-    """Base class of media: what fills the space between surfaces.
-
-    `has_place`: what it is like at a point does not move with the shapes that bound it.
-    """
+    """What fills the space between surfaces; with `has_place` it does not move with shapes."""
 
     family: ClassVar[str] = "media"
     kind: ClassVar[str] = "medium"
@@ -299,8 +296,9 @@ class Integrator(Spec):
     ----------
     needs_light : bool
         A dark scene gives a black picture.
-    sees_media, walks_inside : bool
-        Media, and bodies that scatter inside, play their part; those that follow light must say so.
+    sees_media, walks_inside, sees_dispersion : bool
+        Media, bodies that scatter inside, and materials that disperse light play their part; those
+        that follow light must say so.
     transports : bool
         Its picture is the light of all paths of at most `longest_path` edges, as of all its kind.
     splats : bool
@@ -312,6 +310,7 @@ class Integrator(Spec):
     needs_light: ClassVar[bool] = True
     sees_media: ClassVar[bool] = False
     walks_inside: ClassVar[bool] = False
+    sees_dispersion: ClassVar[bool] = False
     transports: ClassVar[bool] = False
     splats: ClassVar[bool] = False
 

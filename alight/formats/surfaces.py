@@ -21,6 +21,8 @@ Data = dict[str, Any]
 #: The largest index of refraction of `principled`, and its reflectance straight on.
 LARGEST_IOR = 5.0
 BRIGHTEST = 4.0 / 9.0
+#: Indices of glass differ from 1 by this at least, and the largest Abbe number of a material.
+LEAST_PART, LARGEST_ABBE = 1e-3, 1e3
 #: What reflects less is taken for this dark, so that a tint can be divided by it.
 _DARKEST = 1e-4
 
@@ -34,6 +36,23 @@ def index_of(reflected: float) -> float:
     """The index of refraction, at least 1, that reflects a part of the light straight on."""
     root = math.sqrt(reflected)
     return (1.0 + root) / (1.0 - root) if root < 1.0 else math.inf
+
+
+def abbe_number(number: float, ior: float) -> float:
+    """The nearest Abbe number with which `principled` is given an index of refraction; 0 if none.
+
+    Parameters
+    ----------
+    number : float
+        What a file asks for; 0 or infinity: no dispersion.
+    ior : float
+        Index at the line d.
+    """
+    if number <= 0.0 or not math.isfinite(number) or ior - 1.0 < 2.0 * LEAST_PART:
+        return 0.0
+    # The index at 380 nm is larger by that many times (ior - 1) / V.
+    least = max(1.0, 2.12 * (ior - 1.0) / max(LARGEST_IOR - ior, LEAST_PART))
+    return min(max(number, least), LARGEST_ABBE) if least <= LARGEST_ABBE else 0.0
 
 
 @dataclass(frozen=True)

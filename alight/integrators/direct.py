@@ -26,6 +26,7 @@ class Direct(LightSampling):
         As for `path`.
     """
 
+    sees_dispersion: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["direct"] = "direct"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"

@@ -25,6 +25,7 @@ from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.cameras.rays import connect_camera, connect_far_camera, sees_far
 from alight.core.constants import INFINITY
 from alight.core.vec import dot
+from alight.integrators.dispersed import meet_dispersion
 from alight.integrators.enclosing import bodies_beyond
 from alight.integrators.light_walk import set_out, write_arrive, write_leave
 from alight.integrators.options import PathLengths
@@ -49,6 +50,7 @@ from lanewise.simd import absolute, lanes, lanes_mask, lanes_u32, lanes_vec3, wh
 class Light(PathLengths):
     """Light tracer."""
 
+    sees_dispersion: ClassVar[bool] = True
     splats: ClassVar[bool] = True
     type: Literal["light"] = "light"
 
@@ -146,6 +148,7 @@ def extend(program):
     @kernel
     def extend_light_paths(scene, settings, path):
         path, arrival = arrive(scene, path)
+        path = meet_dispersion(scene, arrival.surface, path, path.active)
         surface, wl, per_cos = arrival.surface, arrival.wl, arrival.per_cos
         sampler, depth = path.sampler, path.depth + 1
 

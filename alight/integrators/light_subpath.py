@@ -35,7 +35,7 @@ from alight.integrators.walk import (
 from alight.lights.emission_density import direct_density, emission_density, is_kind
 from alight.shapes.hit import Surface, no_hit, spawn_origin
 from alight.shapes.model import SHAPES
-from alight.shapes.surfaces import blank, chart_of
+from alight.shapes.surfaces import blank, chart_of, usual_wavelength
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import (
@@ -87,6 +87,7 @@ def no_light_vertex(scene):
         light=zero,
         color=g.color,
         chart=chart_of(scene.shapes, hit),
+        wavelength=usual_wavelength(),
     )
     black = lanes_vec3(0.0)
     return LightVertex(surface, black, black, nothing_behind(), zero, lanes_mask(False))

@@ -28,7 +28,8 @@ from alight.bsdfs.switch import (
     squared_index,
 )
 from alight.core.constants import INFINITY
-from alight.core.vec import dot, max_component
+from alight.core.vec import absolute_vec3, dot, max_component
+from alight.integrators.dispersed import at_wavelength_of
 from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to
 from alight.integrators.roulette import play_roulette
 from alight.integrators.walk import (
@@ -103,6 +104,7 @@ def write_arrive(program):
         rays = path.rays + count_lanes(path.active)
         active = path.active & (hit.t < INFINITY)
         surface = make_surface(scene, hit, path.o, path.d, active)
+        surface = at_wavelength_of(surface, path.sampler)
         # The viewer's side of a path from the camera is the far one here.
         wl = to_local(surface, -path.d)
         path = come_to(scene, path, surface, hit.t, active, active)
@@ -175,7 +177,8 @@ def write_follow(program):
     def follow(scene, settings, path, surface, turn, dimension):
         active, depth, d = path.active, path.depth + 1, turn.d
         beta = where(active, path.beta * turn.weight, path.beta)
-        brightness = max_component(beta)
+        # Weights of wavelengths have negative channels.
+        brightness = max_component(absolute_vec3(beta))
         # Not "brightness > 0": a NaN must live on and be counted by the film.
         active = active & ~(brightness <= 0.0) & (depth + 1 < settings.max_depth)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)

@@ -56,6 +56,7 @@ from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.dispersed import at_wavelength_of, meet_dispersion
 from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed, left_along
 from alight.integrators.guided import (
     NOWHERE,
@@ -110,6 +111,7 @@ class Path(PathTracing):
     """
 
     walks_inside: ClassVar[bool] = True
+    sees_dispersion: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
@@ -231,7 +233,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     def shade(scene, settings, path, hit):
         """One more vertex, where the rays of active paths met a surface."""
         active, depth = path.active, path.depth + 1
-        surface = make_surface(scene, hit, path.o, path.d, active)
+        surface = at_wavelength_of(make_surface(scene, hit, path.o, path.d, active), path.sampler)
         wo = to_local(surface, -path.d)
         if recorded:
             meet(scene, path, surface, depth, active)
@@ -250,7 +252,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
-
+        path = meet_dispersion(scene, surface, path, active)
         here = guide_at(settings, surface.p) if guided else NOWHERE
 
         # Direct light by light sampling, weighted by w_l.

@@ -31,6 +31,7 @@ class RandomWalk(Integrator):
     """
 
     walks_inside: ClassVar[bool] = True
+    sees_dispersion: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["random_walk"] = "random_walk"
     max_depth: Depth = 5

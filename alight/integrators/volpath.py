@@ -32,6 +32,7 @@ from alight.integrators.collisions import (
     sample_anywhere,
     turn_in_medium,
 )
+from alight.integrators.dispersed import at_wavelength_of, meet_dispersion
 from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed
 from alight.integrators.guided import (
     NOWHERE,
@@ -100,6 +101,7 @@ class VolPath(PathTracing):
 
     sees_media: ClassVar[bool] = True
     walks_inside: ClassVar[bool] = True
+    sees_dispersion: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["volpath"] = "volpath"
 
@@ -147,6 +149,7 @@ def step(program):
         if environment:
             path = reach_environment(scene, path, missed)
         surface = make_surface(scene, hit, path.o, path.d, met)
+        surface = at_wavelength_of(surface, path.sampler)
 
         # Surfaces that are not there are no vertices, nor lights that the camera looks through.
         passing, shining = lanes_mask(False), met
@@ -160,6 +163,7 @@ def step(program):
         if area_lights:
             path = reach_lamp(scene, path, hit, surface, shining)
         active = (met | scattered) & ~passing & (depth < settings.max_depth)
+        path = meet_dispersion(scene, surface, path, met & ~passing)
         p = where(scattered, path.o + t * path.d, surface.p)
         wo = to_local(surface, -path.d)
         dimension = vertex_dimension(path.steps)

@@ -14,6 +14,7 @@ import numpy as np
 from alight.bsdfs.bodies import absorbs
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, luminance, normalize
+from alight.core.wavelengths import DISPERSIVE
 from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
 from alight.integrators.enclosing import no_bodies
@@ -43,12 +44,14 @@ from lanewise.simd import (
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
 #: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
-#: bodies : `alight.integrators.enclosing.Bodies` where bodies absorb light, else empty.
+#: bodies : `alight.integrators.enclosing.Bodies` where bodies absorb light, else empty;
+#: monochromatic : mask, `beta` is that of one wavelength, where materials disperse light, else ().
 #:
-#: Paths from lights keep other things in three of them: L_direct, absorption per metre; pdf, the
-#: brightness that they began with; delta, see `alight.integrators.light_subpath`.
+#: Paths from lights keep other things in two of them: pdf, the brightness that they began with;
+#: delta, see `alight.integrators.light_subpath`.
 PathState = namedtuple(
-    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies"
+    "PathState",
+    "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies monochromatic",
 )
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
@@ -62,7 +65,8 @@ GuidedSettings = namedtuple("GuidedSettings", (*Settings._fields, "guide", "log"
 #: Depth of paths that only roulette ends.
 UNLIMITED = 2**31 - 1
 
-#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time (`moments`).
+#: Dimensions 0 to 7 are the camera's: 0-1 the pixel filter, 2-3 the lens, 4 the time (`moments`),
+#: 6 the wavelength (`dispersed`).
 FILTER, LENS = 0, 2
 CAMERA_DIMENSIONS = 8
 
@@ -110,7 +114,7 @@ def no_paths():
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
-        active=lanes_mask(False), rays=as_int(0), unguided=(), bodies=(),
+        active=lanes_mask(False), rays=as_int(0), unguided=(), bodies=(), monochromatic=(),
     )  # fmt: skip
 
 
@@ -143,6 +147,8 @@ def empty_paths(program):
     own = model_of(program).empty_paths or no_paths
     if absorbs(program):
         own = _empty_paths_in_bodies(own)
+    if DISPERSIVE in program.bsdfs:
+        own = _with_empty_mask(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -163,6 +169,8 @@ def start_paths(program):
     own = model_of(program).start_paths or begin_paths
     if absorbs(program):
         own = _start_paths_outside(own)
+    if DISPERSIVE in program.bsdfs:
+        own = _with_mask(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -193,6 +201,27 @@ def _start_paths_outside(own):
         return replace(path, bodies=where(new, no_bodies(), path.bodies))
 
     return start_paths_outside
+
+
+def _with_empty_mask(own):
+    """``empty_paths()`` of a program in which materials disperse light."""
+
+    @kernel
+    def empty_paths_of_all_wavelengths():
+        return replace(own(), monochromatic=lanes_mask(False))
+
+    return empty_paths_of_all_wavelengths
+
+
+def _with_mask(own):
+    """``start_paths(new, o, d, weight, sampler, path)`` of the same."""
+
+    @kernel
+    def start_paths_of_all_wavelengths(new, o, d, weight, sampler, path):
+        path = own(new, o, d, weight, sampler, path)
+        return replace(path, monochromatic=path.monochromatic & ~new)
+
+    return start_paths_of_all_wavelengths
 
 
 @kernel(strict=True)

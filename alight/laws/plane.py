@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.core.wavelengths import LINE_D
 from alight.shapes.hit import Surface
+from alight.shapes.surfaces import usual_wavelength
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32
 from lanewise.vec3 import Vec3
@@ -31,11 +33,15 @@ def plane_point(p, u, v, bsdf, color):
         light=none,
         color=color,
         chart=(),
+        wavelength=usual_wavelength(),
     )
 
 
 def plane_surface(
-    u: NDArray[np.float32], v: NDArray[np.float32], bsdf: NDArray[np.uint32] | None = None
+    u: NDArray[np.float32],
+    v: NDArray[np.float32],
+    bsdf: NDArray[np.uint32] | None = None,
+    wavelength: float = LINE_D,
 ) -> Surface:
     """The surface at points of the plane, as the NumPy twin sees it.
 
@@ -45,6 +51,8 @@ def plane_surface(
         Texture coordinates; the points are (u, v, 0), metres.
     bsdf : (n,) uint32, optional
         Rows of the materials; 0 by default.
+    wavelength : float, default that of the line d
+        Nanometres, of all points.
     """
     zero, none = np.zeros_like(u), np.zeros(len(u), np.uint32)
     one = zero + np.float32(1.0)
@@ -53,5 +61,5 @@ def plane_surface(
         p=Vec3(u, v, zero), error=zero, ng=up, ns=up,
         s=Vec3(one, zero, zero), t=Vec3(zero, one, zero), u=u, v=v,
         shape=none, prim=none, bsdf=none if bsdf is None else bsdf, light=none,
-        color=black, chart=(),
+        color=black, chart=(), wavelength=zero + np.float32(wavelength),
     )  # fmt: skip

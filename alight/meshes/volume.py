@@ -53,6 +53,9 @@ def _volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
     return volume if abs(volume) > FLAT * largest else 0.0
 
 
-def is_closed(mesh: Any) -> bool:
-    """Whether the triangles of a mesh, of arrays, enclose a volume and face outwards."""
-    return enclosed_volume(np.asarray(mesh.vertices), np.asarray(mesh.faces)) > 0.0
+def is_closed(*meshes: Any) -> bool:
+    """Whether the triangles of meshes, of arrays, together enclose a volume and face outwards."""
+    vertices = [np.asarray(mesh.vertices) for mesh in meshes]
+    starts = np.cumsum([0, *(len(points) for points in vertices)])
+    faces = [np.asarray(mesh.faces) + start for mesh, start in zip(meshes, starts, strict=False)]
+    return enclosed_volume(np.concatenate(vertices), np.concatenate(faces)) > 0.0

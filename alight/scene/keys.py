@@ -131,7 +131,7 @@ def tables_of(model: type[Spec]) -> dict[str, dict[str, Any]]:
         for name, value in vars(module).items() if module else ():
             if name.isupper() and isinstance(value, dict) and value:
                 first = next(iter(value.values()))
-                if isinstance(first, float) or (isinstance(first, tuple) and len(first) == 2):
+                if isinstance(first, float) or (isinstance(first, tuple) and len(first) in (2, 6)):
                     found[name] = value
     return found
 

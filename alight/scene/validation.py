@@ -24,6 +24,7 @@ from alight.outputs.texels import reusing_memory
 from alight.scene import images
 from alight.scene.bodies import body_problems
 from alight.scene.description import Node, Scene
+from alight.scene.dispersion import dispersion_problems
 from alight.scene.files import Files
 from alight.scene.media import media_problems
 from alight.scene.meshes import displacement_problem, geometry, surface_area
@@ -68,7 +69,7 @@ def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
     checker.check_camera()
     issues = checker.issues + media_problems(scene, files)
     # Only materials and a graph that are right so far can be walked with all that is in them.
-    return issues or body_problems(scene) + motion_problems(scene)
+    return issues or body_problems(scene) + dispersion_problems(scene) + motion_problems(scene)
 
 
 @dataclass

@@ -25,8 +25,11 @@ Hit = namedtuple("Hit", "t u v shape prim")
 #: geometric normal on the outer side; ns: unit shading normal; s, t: tangents, (s, t, ns) is
 #: orthonormal and right-handed; u, v: texture coordinates; shape, prim, bsdf: u32; light: u32,
 #: index of the area light + 1, 0 if there is none; color: vertex colour, 1 if there is none; chart:
-#: see `alight.core.uv_sets`, () in most programs.
-Surface = namedtuple("Surface", "p error ng ns s t u v shape prim bsdf light color chart")
+#: see `alight.core.uv_sets`, () in most programs; wavelength: nanometres, () unless a material
+#: disperses light.
+Surface = namedtuple(
+    "Surface", "p error ng ns s t u v shape prim bsdf light color chart wavelength"
+)
 
 #: The part of `Surface` that a shape's own kernel finds.
 Geometry = namedtuple("Geometry", "p error ng ns s t u v color")

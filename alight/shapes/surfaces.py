@@ -14,6 +14,7 @@ from alight.core.motion import (
 )
 from alight.core.uv_sets import UV_SETS, Chart
 from alight.core.vec import dot, normalize
+from alight.core.wavelengths import DISPERSIVE, LINE_D
 from alight.shapes.charts import corners_of
 from alight.shapes.hit import INFO, Geometry, Surface
 from alight.shapes.model import SHAPES, ShapeModel
@@ -109,6 +110,22 @@ def chart_of(program):
     return on_triangle
 
 
+@specialised
+def usual_wavelength(program):
+    """``usual_wavelength()``: the line d, for whoever follows no wavelength of its own."""
+    return _line_d if DISPERSIVE in program.bsdfs else _no_wavelength
+
+
+@kernel
+def _line_d():
+    return lanes(LINE_D)
+
+
+@kernel
+def _no_wavelength():
+    return ()
+
+
 @kernel
 def _no_chart(tables, hit):
     return ()
@@ -178,6 +195,7 @@ def _in_the_world(m, w, surface, moving):
         light=surface.light,
         color=surface.color,
         chart=surface.chart,
+        wavelength=surface.wavelength,
     )
 
 
@@ -220,4 +238,5 @@ def surface_at_rest(scene, hit, o, d, active):
         light=light,
         color=g.color,
         chart=chart,
+        wavelength=usual_wavelength(),
     )

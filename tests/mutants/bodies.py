@@ -8,6 +8,18 @@ MEDIUM = f"{TESTS}::test_walks_agree_with_a_medium_between_matte_surfaces[slab]"
 
 BODIES = (
     Mutant(
+        "light that enters one primitive of a mesh and leaves by a matte one",
+        "formats/gltf/bodies.py",
+        (("len(shapes) > 1 and all_bodies and is_closed", "len(shapes) > 1 and is_closed"),),
+        "tests/formats/gltf/test_bodies.py::test_primitives_close_a_mesh_together[False-0-False]",
+    ),
+    Mutant(
+        "primitives that are asked one by one whether they are closed",
+        "formats/gltf/bodies.py",
+        (("(together or is_closed(shape))", "is_closed(shape)"),),
+        "tests/formats/gltf/test_bodies.py::test_primitives_close_a_mesh_together[True-0-True]",
+    ),
+    Mutant(
         "rounding makes a card a body",
         "meshes/volume.py",
         (("FLAT = 1e-8", "FLAT = 0.0"),),

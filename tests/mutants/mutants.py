@@ -6,6 +6,7 @@ from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
 from tests.mutants.coloured_glass import COLOURED_GLASS
 from tests.mutants.compiler import COMPILER
+from tests.mutants.dispersed import DISPERSED
 from tests.mutants.displacement import DISPLACEMENT
 from tests.mutants.edges import EDGES
 from tests.mutants.emission import EMISSION
@@ -48,6 +49,7 @@ MUTANTS = (
     + FILM
     + MATTES
     + DISPLACEMENT
+    + DISPERSED
     + FACETS
     + TEXTURES
     + MATERIALS

@@ -9,10 +9,12 @@ Source: KHR_materials_volume_scatter (draft) and KHR_materials_diffuse_transmiss
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from alight.formats.gltf.values import Item
-from alight.formats.surfaces import index_of, reflectance
+from alight.formats.surfaces import Surface, index_of, reflectance
+from alight.meshes.volume import is_closed
 
 Data = dict[str, Any]
 TRANSLUCENT, SCATTERING = "KHR_materials_diffuse_transmission", "KHR_materials_volume_scatter"
@@ -20,6 +22,30 @@ TRANSLUCENT, SCATTERING = "KHR_materials_diffuse_transmission", "KHR_materials_v
 CLEAREST = 1.0 - 1e-6
 #: What a body cannot have.
 _OTHERS = ("metallic", "transmission", "clearcoat", "sheen_color", "iridescence")
+
+
+def have_insides(primitives: Sequence[tuple[Any, Surface, Item]]) -> list[bool]:
+    """Which primitives of a mesh have an inside; what lacks one that its material asks for is said.
+
+    Primitives may be open and close the mesh together. Light that enters one then finds nothing but
+    bodies around it, if all of them are.
+
+    Parameters
+    ----------
+    primitives : sequence of (Mesh, Surface, Item)
+    """
+    all_bodies = all(material.inside is not None for _, material, _ in primitives)
+    shapes = [shape for shape, _, _ in primitives]
+    together = len(shapes) > 1 and all_bodies and is_closed(*shapes)
+    found = []
+    for shape, material, item in primitives:
+        is_body = material.inside is not None
+        closed = is_body and (together or is_closed(shape))
+        if is_body and not closed:
+            text = "is open or inside out, so no light is scattered below its surface"
+            item.report.approximate(f"{item.pointer}: {text}")
+        found.append(closed)
+    return found
 
 
 def body_of(item: Item, core: Data, opacity: Any) -> Data | None:

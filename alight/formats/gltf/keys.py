@@ -93,6 +93,7 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
             {"diffuseTransmissionTexture": "info", "diffuseTransmissionColorTexture": "info"},
         ),
         ("emissive_strength", "emissiveStrength", {}),
+        ("dispersion", "dispersion", {}),
         ("ior", "ior", {}),
         (
             "iridescence",

@@ -20,6 +20,7 @@ from alight.formats.surfaces import (
     BRIGHTEST,
     LARGEST_IOR,
     Surface,
+    abbe_number,
     index_of,
     is_metal,
     reflection,
@@ -39,7 +40,8 @@ ALPHA_MODES = ("OPAQUE", "MASK", "BLEND")
 #: Extensions of materials that are read.
 COVERED = (
     "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
-    "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
+    "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume", "KHR_materials_volume_scatter", "KHR_materials_pbrSpecularGlossiness",
@@ -321,6 +323,20 @@ class _Extensions:
         )
         if volume.has("attenuationDistance"):
             self.bsdf["attenuation_distance"] = volume.number("attenuationDistance", 1.0, 1e-9)
+        self._dispersion()
+
+    def _dispersion(self) -> None:
+        """KHR_materials_dispersion, of bodies: 20 over Abbe's number."""
+        found = self.item.extension("KHR_materials_dispersion")
+        strength = 0.0 if found is None else found.number("dispersion", 0.0, 0.0)
+        if found is None or strength == 0.0:
+            return
+        wanted = 20.0 / strength
+        number = abbe_number(wanted, self.bsdf.get("ior", 1.5))
+        if abs(number - wanted) > 1e-6 * wanted:
+            text = f"dispersion {strength:g} became {20.0 / number if number else 0.0:g}"
+            self.item.report.approximate(f"{found.pointer}: {text}")
+        self.bsdf["dispersion"] = number
 
     def _say_no_part(self) -> None:
         scatters = self.item.extension(SCATTERING) is not None

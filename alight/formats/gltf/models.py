@@ -21,6 +21,7 @@ from alight.bsdfs.burley_thin import BurleyThin
 from alight.bsdfs.coated_conductor import CoatedConductor
 from alight.bsdfs.conductor import Metallic, OfMetal
 from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.dispersion import indices
 from alight.bsdfs.facets import Rough
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.phong import Phong
@@ -28,9 +29,10 @@ from alight.bsdfs.plastic import Coated
 from alight.bsdfs.principled import Principled
 from alight.bsdfs.subsurface import Subsurface
 from alight.core.spec import Bsdf, Texture
+from alight.core.wavelengths import LINE_C, LINE_F
 from alight.formats.gltf.burleys import burley_as_principled
 from alight.formats.gltf.planes import Plane, plane_of
-from alight.formats.surfaces import BRIGHTEST, LARGEST_IOR, index_of, reflectance
+from alight.formats.surfaces import BRIGHTEST, LARGEST_IOR, abbe_number, index_of, reflectance
 from alight.textures.multiply import Multiply
 
 WHITE = (1.0, 1.0, 1.0)
@@ -142,15 +144,30 @@ def _glass(bsdf: Interface, fields: dict[str, Any], lost: list[str]) -> Principl
         for name in ("attenuation_color", "attenuation_distance")
         if name in fields
     }
+    ior = _index(ratio, kind, lost)
     return Principled(
         base_color=fields["specular_transmittance"],
         transmission=1.0,
         thin=thin,
-        ior=_index(ratio, kind, lost),
+        ior=ior,
+        dispersion=_abbe_number(bsdf, ior, lost),
         specular_color=_tint(fields["specular_reflectance"], kind, lost),
         **absorbing,
         **_facets(bsdf, lost),
     )
+
+
+def _abbe_number(bsdf: Interface, ior: float, lost: list[str]) -> float:
+    """That of the lines F and C, of whatever says how the index depends on the wavelength."""
+    dispersion = getattr(bsdf, "dispersion", 0.0)
+    if dispersion == 0.0:
+        return 0.0
+    lines = 1e-3 * np.array([LINE_F, LINE_C])
+    blue, red = indices(dispersion, lines, bsdf.int_ior)
+    if not isinstance(dispersion, float):
+        lost.append(f"{bsdf.type_name()}: its dispersion became an Abbe number")
+    spread = abs(blue - red) / bsdf.ext_ior
+    return abbe_number((ior - 1.0) / spread, ior) if spread > 0.0 else 0.0
 
 
 def _plastic(bsdf: Coated, fields: dict[str, Any], lost: list[str]) -> Principled:

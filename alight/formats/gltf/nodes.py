@@ -17,6 +17,7 @@ import numpy as np
 
 from alight.core.errors import SceneError
 from alight.formats.cameras import Parallel, Perspective
+from alight.formats.gltf.bodies import have_insides
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.instances import NAME, add_bounds, instance_matrices, rotations
 from alight.formats.gltf.materials import Materials
@@ -31,7 +32,6 @@ from alight.formats.names import free_name
 from alight.formats.skins import Matrices
 from alight.formats.surfaces import Surface
 from alight.formats.surroundings import SIZE
-from alight.meshes.volume import is_closed
 from alight.scene.transform import Matrix, is_singular
 
 #: Nodes this deep carry all that is below them; the native format ends at 24.
@@ -269,6 +269,7 @@ class Graph(ModelScene):
         self, mesh: Item, weights: list[float], joints: Matrix | None
     ) -> dict[str, Data]:
         """The parts of a mesh, each with its material."""
+        found: list[tuple[Any, Surface, Item]] = []
         parts: dict[str, Data] = {}
         self.document.report.count("meshes")
         for number, primitive in enumerate(mesh.objects("primitives")):
@@ -283,15 +284,12 @@ class Graph(ModelScene):
             if shape is None:
                 continue
             self._surfaces[id(shape)] = material
-            closed = material.inside is not None and is_closed(shape)
-            if material.inside is not None and not closed:
-                text = "is open or inside out, so no light is scattered below its surface"
-                self.report.approximate(f"{primitive.pointer}: {text}")
-            parts[f"primitive {number}"] = {
-                "shape": shape,
-                "bsdf": self._bsdf(index, channels, closed),
-                **material.light,
-            }
+            found.append((shape, material, primitive))
+            parts[f"primitive {number}"] = {"shape": shape, "bsdf": (index, channels)}
+        for part, (_, material, _), closed in zip(
+            parts.values(), found, have_insides(found), strict=True
+        ):
+            part |= {"bsdf": self._bsdf(*part["bsdf"], closed), **material.light}
         return parts
 
     def _bsdf(self, index: int | None, channels: int, closed: bool) -> str:

@@ -171,6 +171,9 @@ class MaterialWriter:
         if math.isfinite(bsdf.attenuation_distance):
             volume["attenuationDistance"] = bsdf.attenuation_distance
         self.store.extension(made, "KHR_materials_volume", volume)
+        if bsdf.dispersion != 0.0:
+            strength = {"dispersion": 20.0 / bsdf.dispersion}
+            self.store.extension(made, "KHR_materials_dispersion", strength)
 
     def _add_directions(self, bsdf: Principled, made: Json) -> None:
         """Anisotropy and the thin film."""

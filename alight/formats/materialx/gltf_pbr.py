@@ -49,7 +49,8 @@ def read(s: Shading) -> Surface:
             if plain is not color:
                 s.say("attenuation_color must not vary: white is taken")
             core["attenuation_color"] = s.color("attenuation_color", plain)
-        s.left_out("all colours are refracted alike", dispersion=0.0)
+        spread = s.constant("dispersion", 0.0)
+        s.dispersion(core, 20.0 / spread if spread > 0.0 else 0.0)
     if not is_zero(get["clearcoat"]):
         core["clearcoat"] = s.number("clearcoat", get["clearcoat"])
         core["clearcoat_roughness"] = s.number("clearcoat_roughness", get["clearcoat_roughness"])

@@ -53,6 +53,9 @@ def read(s: Shading) -> Surface:
     color = s.product(get["transmission_color"], tint)
     thin = s.flag("geometry_thin_walled")
     s.glass(core, get["transmission_weight"], color, depth, thin)
+    spread = s.constant("transmission_dispersion_scale", 0.0)
+    abbe = s.constant("transmission_dispersion_abbe_number", 20.0)
+    s.dispersion(core, abbe / spread if spread > 0.0 else 0.0)
     core |= s.coat(get["coat_weight"], get["coat_roughness"], s.ior("coat_ior", 1.6))
     fuzz = s.product(get["fuzz_weight"], get["fuzz_color"])
     if not is_zero(fuzz):
@@ -93,10 +96,7 @@ def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:
         if not is_one(get["specular_weight"]):
             s.say("specular_weight scales what the metal reflects straight on, not at its rim")
     if not is_zero(get["transmission_weight"]):
-        s.left_out(
-            "nothing scatters inside, and all colours are refracted alike",
-            transmission_scatter=0.0, transmission_dispersion_scale=0.0,
-        )  # fmt: skip
+        s.left_out("nothing scatters inside", transmission_scatter=0.0)
     if not is_zero(get["coat_weight"]):
         s.left_out("the coat is the same in all directions", coat_roughness_anisotropy=0.0)
         if not is_zero(get["coat_darkening"]):

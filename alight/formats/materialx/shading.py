@@ -10,7 +10,7 @@ from alight.formats.materialx.evaluate import Evaluator
 from alight.formats.materialx.nodes import Node
 from alight.formats.materialx.values import Plain, Value, Varying, affine, number, part, spread
 from alight.formats.report import did_you_mean
-from alight.formats.surfaces import LARGEST_IOR, Surface
+from alight.formats.surfaces import LARGEST_IOR, Surface, abbe_number
 from alight.formats.textures import normal_color, normals
 
 Data = dict[str, Any]
@@ -193,6 +193,13 @@ class Shading:
         base = core["base_color"]
         if self.color("transmission color", tint) != base:
             self.say("what is let through has the base colour: the material has one for both")
+
+    def dispersion(self, core: Data, number: float) -> None:
+        """Abbe's number of glass that is no sheet; 0 for none."""
+        if number > 0.0 and core.get("transmission", 0.0) != 0.0 and not core.get("thin", False):
+            found = core["dispersion"] = abbe_number(number, core["ior"])
+            if found != number:
+                self.say(f"the Abbe number {number:g} became {found:g}")
 
     def _plain_color(self, color: Value) -> list[float]:
         if isinstance(color, Varying):

@@ -59,6 +59,7 @@ def read(s: Shading) -> Surface:
     depth = s.constant("transmission_depth", 0.0)
     color = s.product(get["transmission_color"], tint)
     s.glass(core, get["transmission"], color, depth, s.flag("thin_walled"))
+    s.dispersion(core, s.constant("transmission_dispersion", 0.0))
     core |= s.coat(get["coat"], get["coat_roughness"], s.ior("coat_IOR"))
     sheen = s.product(get["sheen"], get["sheen_color"], tint)
     if not is_zero(sheen):
@@ -89,9 +90,8 @@ def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:
         s.say("specular_color is left out: metals have Schlick's rim")
     if not is_zero(get["transmission"]):
         s.left_out(
-            "nothing scatters inside, and all colours are refracted alike",
-            transmission_scatter=0.0, transmission_dispersion=0.0,
-            transmission_extra_roughness=0.0,
+            "nothing scatters inside",
+            transmission_scatter=0.0, transmission_extra_roughness=0.0,
         )  # fmt: skip
     if not is_zero(get["coat"]):
         s.left_out(

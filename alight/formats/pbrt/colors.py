@@ -27,6 +27,12 @@ GLASSES = {
     "glass-SF5": 1.6727, "glass-SF10": 1.7283, "glass-SF11": 1.7847,
     "glass-F5": 1.6727, "glass-F10": 1.7283, "glass-F11": 1.7847,
 }  # fmt: skip
+#: The same with dispersion, by our names (`alight.bsdfs.dispersion`).
+DISPERSION = {
+    "glass-BK7": "bk7", "glass-BAF10": "baf10", "glass-FK51A": "fk51a", "glass-LASF9": "lasf9",
+    "glass-SF5": "sf5", "glass-SF10": "sf10", "glass-SF11": "sf11",
+    "glass-F5": "sf5", "glass-F10": "sf10", "glass-F11": "sf11",
+}  # fmt: skip
 #: Metals by pbrt's names; brass is Querry's, reduced likewise.
 _BRASS = ([0.444, 0.527, 1.094], [3.695, 2.765, 1.829])
 _CONDUCTORS = {name: METALS[name] for name in ("Ag", "Al", "Au", "Cu", "MgO", "TiO2")}

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from alight.formats.pbrt.colors import INDICES
+from alight.formats.pbrt.colors import DISPERSION, INDICES
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.roughness import alphas, facets, is_smooth, one_alpha
@@ -167,9 +167,13 @@ def root(alpha: float | str) -> float | str:
 
 
 def _dielectric(m: Making) -> Data:
-    eta = index(m, "eta")
     u, v = alphas(m, 0.0)
-    data: Data = {"int_ior": eta, "ext_ior": 1.0}
+    found = m.p.find("eta")
+    glass = DISPERSION.get(str(found.values[0])) if found is not None and found.is_text else None
+    if found is not None and glass is not None:
+        data: Data = {"dispersion": glass, "ext_ior": 1.0}
+    else:
+        data = {"int_ior": index(m, "eta"), "ext_ior": 1.0}
     if is_smooth(u, v):
         return {"type": "dielectric", **data}
     return {"type": "rough_dielectric", **data, **facets(u, v)}

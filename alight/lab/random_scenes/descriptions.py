@@ -125,7 +125,8 @@ def _field(
                 return any_texture(chance, marker.interval, depth) or value
             return _amount(chance, marker, value)
         if isinstance(marker, Interval):
-            return _number(chance, marker, value)
+            # Lists and names that may stand for a number stay.
+            return _number(chance, marker, value) if isinstance(value, int | float) else value
         if isinstance(marker, Models):
             return tuple(_nested(chance, marker, inner, depth) for inner in value)
         if isinstance(marker, Model):

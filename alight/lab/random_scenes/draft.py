@@ -11,6 +11,7 @@ from alight.lab.random_scenes import bodies, fogs, materials, views
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.views import Point
 from alight.scene.description import Node, Scene
+from alight.scene.dispersion import disperses_light
 from alight.scene.keyframes import keyframes
 from alight.scene.transform import IDENTITY, Transform, matrix, rotate, scale, translate
 from alight.shapes.rectangle import Rectangle
@@ -166,6 +167,7 @@ class Draft:
             self.chance.named("integrator"),
             media=any(medium is not None for medium in used),
             bodies=any(map(scatters_inside, self.bsdfs.values())),
+            spreads=any(disperses_light(bsdf, self.bsdfs) for bsdf in self.bsdfs.values()),
             found_by_chance=self.found_by_chance,
             closed=self.closed,
             edges=self.edges,

@@ -73,7 +73,10 @@ def clear(chance: Chance) -> Bsdf:
     ratio = found.int_ior / found.ext_ior
     # The same index on both sides would be nothing to be seen.
     is_seen = max(ratio, 1.0 / ratio) > 1.1 or chance.happens(0.1)
-    return found if is_seen else found.replaced(int_ior=chance.within(1.3, 2.0), ext_ior=1.0)
+    if is_seen:
+        return found
+    plain = {"dispersion": 0.0} if "dispersion" in dict(found) else {}
+    return found.replaced(int_ior=chance.within(1.3, 2.0), ext_ior=1.0, **plain)
 
 
 def glossy(chance: Chance) -> Bsdf:

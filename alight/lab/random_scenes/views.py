@@ -80,6 +80,7 @@ def any_integrator(
     *,
     media: bool,
     bodies: bool,
+    spreads: bool,
     found_by_chance: bool,
     closed: bool,
     edges: tuple[int, int],
@@ -93,6 +94,8 @@ def any_integrator(
         Whether there are media to be seen.
     bodies : bool
         Whether there are bodies that scatter light inside.
+    spreads : bool
+        Whether materials disperse light.
     found_by_chance : bool
         Whether paths meet enough of the light without looking for it.
     closed : bool
@@ -106,6 +109,7 @@ def any_integrator(
         for _ in range(_weight(module.EXAMPLES[0], media))
         if _shows(module.EXAMPLES[0], media, found_by_chance, edges[0])
         and (module.EXAMPLES[0].walks_inside or not bodies)
+        and (module.EXAMPLES[0].sees_dispersion or not spreads)
     ]
     module = chance.choose(modules)
     spec = varied(chance, chance.choose(module.EXAMPLES), keep=("hide_emitters",), share=0.3)

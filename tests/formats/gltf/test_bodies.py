@@ -121,3 +121,27 @@ def test_the_strength_of_the_reflection_is_in_the_index(tmp_path):
         extensions={"KHR_materials_specular": {"specularColorFactor": [1, 0.5, 0]}},
     )
     assert "the colour of a body's reflection is left out" in said
+
+
+@pytest.mark.parametrize(
+    ("scatters", "missing", "is_body"), [(True, 0, True), (False, 0, False), (True, 1, False)]
+)
+def test_primitives_close_a_mesh_together(scatters, missing, is_body, tmp_path):
+    m = Maker()
+    body = m.material(extensions=BODY, pbrMetallicRoughness={"metallicFactor": 0})
+    other = body if scatters else m.material()
+    corners = m.accessor(CORNERS)
+    primitives = [
+        {"attributes": {"POSITION": corners}, "indices": m.accessor(faces), "material": material}
+        for faces, material in ((SIDES[:6], body), (SIDES[6 : 12 - 3 * missing], other))
+    ]
+    m.json["meshes"].append({"primitives": primitives})
+    m.node(mesh=0)
+    document = json.loads(m.gltf())
+    document["extensionsUsed"] = sorted(BODY)
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    scene = load(tmp_path / "a.gltf")
+    first, *_ = [node for _, _, node in scene.walk() if node.shape is not None]
+    assert (scene.bsdfs[first.bsdf].type_name() == "subsurface") == is_body
+    said = "\n".join(scene.source.remarks.warnings)
+    assert ("is open or inside out" in said) == (not is_body)

@@ -62,7 +62,7 @@ def test_files_without_a_mistake_get_no_such_remark(tmp_path):
 
 
 def test_other_extensions_get_no_hint_to_those_that_are_read():
-    assert keys.left_out("KHR_materials_dispersion").endswith("left out")
+    assert keys.left_out("KHR_materials_glitter").endswith("left out")
     assert keys.left_out("KHR_materials_shen").endswith('did you mean "KHR_materials_sheen"?')
 
 

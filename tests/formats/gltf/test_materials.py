@@ -55,6 +55,7 @@ def test_opacity_cuts_or_blends():
          {"specular": 0.25, "specular_color": [1.0, 0.5, 0.0]}),
         ("transmission", {"transmissionFactor": 0.5}, {"transmission": 0.5, "thin": True}),
         ("transmission", {"transmissionFactor": 0.0}, {}),
+        ("dispersion", {"dispersion": 1.0}, {}),
         ("clearcoat", {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
          {"clearcoat": 0.5, "clearcoat_roughness": 0.25}),
         ("sheen", {"sheenColorFactor": [0, 0, 1]},
@@ -94,3 +95,22 @@ def test_glass_has_a_volume_and_needs_no_second_side():
     assert bsdf["type"] == "principled"
     assert bsdf["attenuation_distance"] == 3.0
     assert "thin" not in bsdf
+
+
+def test_dispersion_is_twenty_over_the_abbe_number_of_bodies():
+    def glass(dispersion, **volume):
+        return core(
+            material_of(
+                extensions={
+                    "KHR_materials_transmission": {"transmissionFactor": 1.0},
+                    "KHR_materials_volume": volume,
+                    "KHR_materials_dispersion": {"dispersion": dispersion},
+                }
+            )
+        )
+
+    assert glass(0.5, thicknessFactor=1.0)["dispersion"] == 40.0
+    # More than any index allows; none; and a sheet, in which nothing is bent.
+    assert glass(50.0, thicknessFactor=1.0)["dispersion"] == 1.0
+    assert "dispersion" not in glass(0.0, thicknessFactor=1.0)
+    assert "dispersion" not in glass(0.5)

@@ -29,7 +29,7 @@ KINDS = (
 PARTS = {
     "coat_rotation", "occlusion", "subsurface_anisotropy", "subsurface_radius",
     "subsurface_radius_scale", "subsurface_scale", "subsurface_scatter_anisotropy",
-    "transmission_dispersion_abbe_number", "transmission_scatter_anisotropy",
+    "transmission_scatter_anisotropy",
 }  # fmt: skip
 
 

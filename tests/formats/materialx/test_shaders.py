@@ -276,3 +276,23 @@ def test_a_coat_that_varies_gives_no_layer_that_is_not_there(tmp_path):
     found = parsed(document(more, picture()), tmp_path).data
     assert "sheen_color" not in core(found["bsdfs"]["M"])
     assert "radiance" not in str(found["nodes"]["M"])
+
+
+def test_glass_disperses_light_by_an_abbe_number(tmp_path):
+    glass = value("transmission", "float", "1")
+    found, said = principled(glass + value("transmission_dispersion", "float", "25"), tmp_path)
+    assert found["dispersion"] == 25.0
+    assert not any("S:" in line for line in said)
+    thin = value("thin_walled", "boolean", "true")
+    found, _ = principled(glass + thin + value("transmission_dispersion", "float", "25"), tmp_path)
+    assert "dispersion" not in found
+    glass = value("transmission_weight", "float", "1")
+    glass += value("transmission_dispersion_abbe_number", "float", "30")
+    for scale, number in (("0", None), ("1", 30.0), ("0.5", 60.0)):
+        spread = value("transmission_dispersion_scale", "float", scale)
+        found, _ = principled(glass + spread, tmp_path, category="open_pbr_surface")
+        assert found.get("dispersion") == number
+    shader = value("transmission", "float", "1") + value("thickness", "float", "1")
+    shader += value("dispersion", "float", "0.5")
+    found, _ = principled(shader, tmp_path, category="gltf_pbr")
+    assert found["dispersion"] == 40.0

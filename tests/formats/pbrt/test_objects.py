@@ -30,7 +30,7 @@ BOTH_SIDES = {
 
 ONE_SIDED = {
     '"dielectric"': "{type: dielectric, int_ior: 1.5, ext_ior: 1}",
-    '"dielectric" "spectrum eta" "glass-SF11"': "{type: dielectric, int_ior: 1.7847, ext_ior: 1}",
+    '"dielectric" "spectrum eta" "glass-SF11"': "{type: dielectric, dispersion: sf11, ext_ior: 1}",
     '"dielectric" "float roughness" 0.09 "float eta" 1.3': (
         "{type: rough_dielectric, int_ior: 1.3, ext_ior: 1, alpha: 0.3}"
     ),

@@ -1,0 +1,38 @@
+"""Bugs of glass that disperses light."""
+
+from tests.mutants.mutant import Mutant
+
+TESTS = "tests/physics/test_dispersion.py"
+
+DISPERSED = (
+    Mutant(
+        "weights of a wavelength at every surface",
+        "integrators/dispersed.py",
+        (("active & ~path.monochromatic & (", "active & ("),),
+        f"{TESTS}::test_white_glass_is_white",
+    ),
+    Mutant(
+        "red light that is refracted most",
+        "bsdfs/dispersion.py",
+        (("return eta + (x - 1.0) * (a", "return eta - (x - 1.0) * (a"),),
+        f"{TESTS}::test_a_prism_beside_media",
+    ),
+    Mutant(
+        "all glass with one wavelength a path",
+        "bsdfs/dispersion.py",
+        (("return () if dispersion == 0.0 else (DISPERSIVE,)", "return (DISPERSIVE,)"),),
+        f"{TESTS}::test_only_what_disperses_light_is_followed_by_wavelengths[dielectric]",
+    ),
+    Mutant(
+        "blends that disperse light without weights",
+        "compiled/materials.py",
+        (("MIXED | SPREADS * any(map(_spreads, found))", "MIXED"),),
+        f"{TESTS}::test_parts_of_a_blend_disperse_light_too",
+    ),
+    Mutant(
+        "wavelengths by another density than their weights'",
+        "core/wavelengths.py",
+        (("(0.5 / _RATE) * log(", "(0.6 / _RATE) * log("),),
+        f"{TESTS}::test_each_wavelength_has_the_colour_of_the_published_tables",
+    ),
+)
