@@ -10,6 +10,7 @@ from typing import Any
 from alight.accel.accelerator import build_accelerator
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
+from alight.compiled.ground import ground_of
 from alight.compiled.kept import Kept
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
@@ -26,6 +27,7 @@ from alight.core.uv_sets import UV_SETS
 from alight.films.mattes import MATTES
 from alight.filters.importance import compile_filter
 from alight.guiding.tables import Guide
+from alight.lights.ground import SHADOW, Ground
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
@@ -74,6 +76,8 @@ class CompiledScene:
         What its program asks for, see `alight.rendering.training`.
     surfaces : Surfaces or None
         Of scenes whose layers name what is seen.
+    ground : Ground or None
+        Of scenes whose shadows are caught on it.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -87,6 +91,7 @@ class CompiledScene:
     small_view: SmallView | None = None
     guide: Guide | None = None
     surfaces: Surfaces | None = None
+    ground: Ground | None = None
 
 
 def compile_scene(
@@ -201,6 +206,7 @@ def compile_scene(
         stats=stats | ({"displaced": told(given, flat)} if given is not flat else {}),
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
+        ground=ground_of(flat, shapes, program, tables) if SHADOW in aovs else None,
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),

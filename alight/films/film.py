@@ -299,8 +299,13 @@ class Film:
 
     @property
     def alpha(self) -> np.ndarray | None:
-        """Coverage (h, w) that `image` is multiplied by; None if it has a background."""
+        """Alpha (h, w), by which `image` is multiplied; None if it has a background."""
         return readout.alpha_of(self)
+
+    @property
+    def alpha_error(self) -> np.ndarray | None:
+        """Standard error of `alpha`, as of independent samples: an upper bound of most samplers."""
+        return readout.alpha_error_of(self)
 
     @property
     def error(self) -> ErrorEstimate:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 def png_of(film: Film) -> bytes:
     """Encode the picture as an 8-bit sRGB PNG."""
     picture = film.picture(layers=False)
-    return encode_png(Display().apply(picture.straight), bits=8, alpha=picture.alpha)
+    colors, alpha = picture.over_display(Display().apply(picture.straight))
+    return encode_png(colors, bits=8, alpha=alpha)
 
 
 def html_of(film: Film) -> str:

@@ -26,6 +26,7 @@ from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
+from tests.mutants.shadows import SHADOWS
 from tests.mutants.shown_again import SHOWN_AGAIN
 from tests.mutants.slips import SLIPS
 from tests.mutants.strands import STRANDS
@@ -45,6 +46,7 @@ MUTANTS = (
     + RAYS
     + FILM
     + MATTES
+    + SHADOWS
     + DISPLACEMENT
     + FACETS
     + TEXTURES
