@@ -1,4 +1,4 @@
-"""From arrays to a figure for a paper: a mesh, coloured by numbers, with a shadow on a transparent background.
+"""From arrays to a figure for a paper: a mesh, coloured by numbers, and its shadow on nothing.
 
 Writes figure.png. For print, give ``size="3.5x2.5in", dpi=300`` and more samples.
 """

@@ -13,9 +13,7 @@ from alight.scene.flatten import FlatScene
 _WHAT = 'shadows are caught (background "shadow", layer "shadow")'
 
 
-def ground_of(
-    flat: FlatScene, shapes: CompiledShapes, program: Program, tables: tuple
-) -> Ground:
+def ground_of(flat: FlatScene, shapes: CompiledShapes, program: Program, tables: tuple) -> Ground:
     """Put the ground at the lowest point of all finite shapes, +y being up.
 
     Raises

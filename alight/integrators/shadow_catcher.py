@@ -7,9 +7,9 @@ picture leaves the scene and its ray meets the ground at x, the layer ``shadow``
     = \frac{1}{E(x)} \int Y(L_e)\, (1 - V) \cos\theta \, d\omega ,
 
 the share of the direct light that does not arrive, Y being the luminance. E is known
-(`alight.lights.ground`), and the integral is estimated by samples, so that the layer is unbiased: two rays for the light from infinity, and one to a lamp that is drawn by what it brings.
-Glass keeps all light away, as it does from shadow rays in the picture; holes of a mask
-let it through.
+(`alight.lights.ground`), and the integral is estimated by samples, so that the layer is unbiased:
+two rays for the light from infinity, and one to a lamp that is drawn by what it brings. Glass keeps
+all light away, as it does from shadow rays in the picture; holes of a mask let it through.
 
 Over a background b of the ground's own colour a pixel shows :math:`c + (1 - a - s)\, b` with the
 coverage a and the premultiplied colour c: alpha is a + s, and a shadow is black.

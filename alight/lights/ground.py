@@ -1,4 +1,4 @@
-r"""Light on level ground, as the luminance of its irradiance: what all lights bring, and by samples.
+r"""Light on level ground, as the luminance of its irradiance: known as a whole, and by samples.
 
 .. math:: E(x) = \int_\Omega Y\big(L_e(\omega)\big) \cos\theta \, d\omega
     = E_\infty + \sum_k E_k(x)

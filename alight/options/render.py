@@ -171,8 +171,8 @@ class RenderOptions(
     )  # fmt: skip
     background: str = option(
         Choice("background", BACKGROUNDS),
-        "scene, or transparent: alpha in EXR and PNG, and the lights themselves are hidden; shadow: "
-        "with the shadows on the ground.",
+        "scene, or transparent: alpha in EXR and PNG, and the lights themselves are hidden; "
+        "shadow: the same with the shadows on the ground.",
         default="scene", panel=PICTURE,
     )  # fmt: skip
     aovs: Sequence[str] | str = option(

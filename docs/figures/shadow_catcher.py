@@ -3,8 +3,8 @@
 import sys
 from pathlib import Path
 
-from PIL import Image
 from pictures import IMAGES
+from PIL import Image
 
 import alight
 

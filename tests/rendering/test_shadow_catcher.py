@@ -34,9 +34,11 @@ nodes:
 """
 DOME = "environment: {type: constant, radiance: [2, 1, 0.5]}\n"
 LAMP = "  lamp: {light: {type: point, intensity: 5}, transform: {translate: [0, 3, 0]}}\n"
-OTHER = "  %s: {light: {type: spot, intensity: 5, cutoff_angle: 90, beam_width: 90}, transform: " + (
-    "[{rotate: {axis: x, angle: 90}}, {translate: [%g, 0.5, 0]}]}\n"
-)
+OTHER = """  %s:
+    light: {type: spot, intensity: 5, cutoff_angle: 90, beam_width: 90}
+    transform: [{rotate: {axis: x, angle: 90}}, {translate: [%g, 0.5, 0]}]
+"""
+MAP = "environment: {type: environment, %s pixels: [[[1,1,1],[3,3,3]],[[1,1,1],[3,3,3]]]}\n"
 Y = 0.212671 * 2 + 0.715160 + 0.072169 * 0.5
 
 
@@ -111,17 +113,11 @@ def test_holes_let_light_through():
 
 def test_the_light_of_surroundings_is_known():
     """A map with a dark and a bright side, compensated or not, and a sun that is low."""
-    for text, expected, within in (
-        (DOME, np.pi * Y, 1e-3),
-        # Above: 1 towards +x, 3 towards -x, as the map is bilinear between its columns.
-        ("environment: {type: environment, pixels: [[[1,1,1],[3,3,3]],[[1,1,1],[3,3,3]]]}\n",
-         2.0 * np.pi, 1e-3),
-        ("environment: {type: environment, compensation: false, pixels: "
-         "[[[1,1,1],[3,3,3]],[[1,1,1],[3,3,3]]]}\n", 2.0 * np.pi, 1e-3),
-    ):  # fmt: skip
+    uneven = [MAP % word for word in ("", "compensation: false,")]
+    for text, expected in ((DOME, np.pi * Y), *((text, 2.0 * np.pi) for text in uneven)):
         compiled = compile_scene(flatten(loads(text + DISK)), aovs=(SHADOW,))
         assert compiled.ground.height == pytest.approx(0.0, abs=1e-8)
-        assert compiled.ground.sky == pytest.approx(expected, rel=within)
+        assert compiled.ground.sky == pytest.approx(expected, rel=1e-3)
     sun = "environment: {type: sun, sun_direction: [1, 1, 0], diameter: %s}\n"
     small, large = (
         compile_scene(flatten(loads(sun % size + DISK)), aovs=(SHADOW,)).ground.sky
@@ -161,10 +157,8 @@ def test_the_twin_catches_the_same():
     scene = compile_scene(flatten(loads(DOME + DISK + LAMP)), aovs=(SHADOW,), structure="list")
     settings = make_settings(scene.integrator, seed=1, replicates=4)
     ranges = np.array([[[0, 2]]], np.int64)
-    machine, twin = (
-        render_tile(make_kernels(scene, compiled=way), scene, settings, Tile(8, 8, 12, 12), ranges)[0]
-        for way in (True, False)
-    )
+    kernels, tile = (make_kernels(scene, compiled=way) for way in (True, False)), Tile(8, 8, 12, 12)
+    machine, twin = (render_tile(one, scene, settings, tile, ranges)[0] for one in kernels)
     difference = machine.aovs[SHADOW] - twin.aovs[SHADOW]
     assert np.abs(difference[..., 0] + difference[..., 1] * 2.0**-40).max() < 1e-3 * 2**8
     assert machine.aovs[SHADOW].any()
