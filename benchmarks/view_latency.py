@@ -1,4 +1,4 @@
-"""What one waits for in the live view: moves of the camera, the first full sample, the settled film.
+"""What one waits for in the live view: moves of the camera, a full sample, the settled film.
 
     python benchmarks/view_latency.py matpreview.xml [--size 640x360] [--moves 100] [--spp 64]
 
