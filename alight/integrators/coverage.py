@@ -12,6 +12,7 @@ picture, whether it is stopped: the mean is the opacity. Glass and mirrors are s
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import sample_bsdf
@@ -55,7 +56,7 @@ WeightTable = namedtuple("WeightTable", "tile last keys before sums used")
 ROW_BITS = 32
 
 
-def write_cover(program, add, leave=None):
+def write_cover(program, add, leave: Any = None):
     """``(scene, film, path)``: find what the samples of a packet meet.
 
     ``add(film, path, hit, mask)`` is called for the lanes whose paths have met a surface,
