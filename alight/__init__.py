@@ -85,7 +85,8 @@ if TYPE_CHECKING:
     from alight.rendering.trace import trace
     from alight.rendering.traced_path import Trace
     from alight.scene import Scene, SceneManager
-    from alight.view.notebook import view
+
+    view: Any
 
 __all__ = [
     "AlightError",

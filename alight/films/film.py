@@ -302,15 +302,8 @@ class Film:
         """
         return mattes.mask_of(self, name, layer)
 
-    @property
-    def alpha(self) -> np.ndarray | None:
-        """Alpha (h, w), by which `image` is multiplied; None if it has a background."""
-        return readout.alpha_of(self)
-
-    @property
-    def alpha_error(self) -> np.ndarray | None:
-        """Standard error of `alpha`, as of independent samples: an upper bound of most samplers."""
-        return readout.alpha_error_of(self)
+    alpha = property(readout.alpha_of)
+    alpha_error = property(readout.alpha_error_of)
 
     @property
     def error(self) -> ErrorEstimate:

@@ -351,7 +351,7 @@ class Scene(Spec):
             ("integrator", self.integrator.type_name()),
             ("nodes", f"{sum(1 for _ in self.walk())}"),
             ("materials", f"{len(self.bsdfs)} with a name"),
-            ("environment", self.environment.type_name() if self.environment else "none"),
+            ("surroundings", self.environment.type_name() if self.environment else "dark"),
         ]
 
     def __repr__(self) -> str:
