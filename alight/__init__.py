@@ -48,6 +48,7 @@ _PUBLIC = {
     "Progress": "alight.rendering",
     "Trace": "alight.rendering.traced_path",
     "trace": "alight.rendering.trace",
+    "view": "alight.view",
     "register": "alight.core.registration",
     "AlightError": "alight.core.errors",
     "FilmError": "alight.core.errors",
@@ -85,6 +86,8 @@ if TYPE_CHECKING:
     from alight.rendering.traced_path import Trace
     from alight.scene import Scene, SceneManager
 
+    view: Any
+
 __all__ = [
     "AlightError",
     "Film",
@@ -116,6 +119,7 @@ __all__ = [
     "save",
     "study",
     "trace",
+    "view",
     "why",
 ]
 
@@ -123,7 +127,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _PUBLIC:
         raise AttributeError(f"module 'alight' has no attribute {name!r}")
-    value = getattr(import_module(_PUBLIC[name]), name)
+    module = import_module(_PUBLIC[name])
+    # `alight.view` is a package that is called.
+    value = module if module.__name__ == f"alight.{name}" else getattr(module, name)
     globals()[name] = value
     return value
 

@@ -1,4 +1,4 @@
-"""From arrays to a figure for a paper: a mesh, coloured by numbers, on a transparent background.
+"""From arrays to a figure for a paper: a mesh, coloured by numbers, and its shadow on nothing.
 
 Writes figure.png. For print, give ``size="3.5x2.5in", dpi=300`` and more samples.
 """
@@ -26,7 +26,5 @@ def wavy_torus(around=96, across=48):
 
 if __name__ == "__main__":
     scene = alight.load(wavy_torus(), up="z", smooth=60, color_map="viridis")
-    film = alight.render(
-        scene, size="160x120", spp=16, background="transparent", output="figure.png"
-    )
-    print(f"figure.png: {film.alpha.mean():.0%} of it is torus")
+    film = alight.render(scene, size="160x120", spp=16, background="shadow", output="figure.png")
+    print(f"figure.png: {film.aov('alpha').mean():.0%} of it is torus")

@@ -15,7 +15,7 @@ lock() {
         "requirements/$name.txt"
 }
 
-lock dev --extra dev --extra lab --extra denoise --extra gltf --extra usd --extra view --extra cluster --group build
+lock dev --extra dev --extra lab --extra denoise --extra gltf --extra usd --extra notebook --extra view --extra cluster --group build
 # The smaller sets are constrained by the large one: one version of everything.
 lock docs --extra docs --constraint requirements/dev.txt
 lock peers --extra peers --constraint requirements/dev.txt

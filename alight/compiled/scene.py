@@ -12,6 +12,7 @@ from alight.bsdfs.absorption import ABSORBING
 from alight.compiled.bodies import with_bodies
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
+from alight.compiled.ground import ground_of
 from alight.compiled.kept import Kept
 from alight.compiled.lights import compile_lights, light_textures
 from alight.compiled.materials import compile_materials
@@ -28,6 +29,7 @@ from alight.core.uv_sets import UV_SETS
 from alight.films.mattes import MATTES
 from alight.filters.importance import compile_filter
 from alight.guiding.tables import Guide
+from alight.lights.ground import SHADOW, Ground
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
@@ -76,6 +78,8 @@ class CompiledScene:
         What its program asks for, see `alight.rendering.training`.
     surfaces : Surfaces or None
         Of scenes whose layers name what is seen.
+    ground : Ground or None
+        Of scenes whose shadows are caught on it.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -89,6 +93,7 @@ class CompiledScene:
     small_view: SmallView | None = None
     guide: Guide | None = None
     surfaces: Surfaces | None = None
+    ground: Ground | None = None
 
 
 def compile_scene(
@@ -205,6 +210,7 @@ def compile_scene(
         stats=stats | ({"displaced": told(given, flat)} if given is not flat else {}),
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
+        ground=ground_of(flat, shapes, program, tables) if SHADOW in aovs else None,
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),

@@ -83,6 +83,8 @@ class CompiledShapes(NamedTuple):
         Kinds that occur, for `Program.shapes`.
     center, radius : (3,) float64 and float, metres
         Sphere around all finite shapes; radius 1 around the origin if there are none.
+    lowest : float or None, metres
+        Height of their lowest point.
     """
 
     tables: ShapeTables
@@ -95,6 +97,7 @@ class CompiledShapes(NamedTuple):
     kinds: tuple[str, ...]
     center: NDArray[np.float64]
     radius: float
+    lowest: float | None
     moving: list[Moving]
     motions: list[int]
     many: list[Many]
@@ -370,6 +373,7 @@ class _Compiler:
             kinds=tuple(name for name in SHAPES if name in kinds),
             center=0.5 * (low + high),
             radius=radius if radius > 0.0 else 1.0,
+            lowest=None if empty else float(self.low[1]),
             moving=self.moving,
             motions=self.motions,
             many=self.many,

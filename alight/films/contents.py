@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alight.films import mattes
+from alight.films import mattes, readout
 from alight.outputs.picture import Picture
 
 if TYPE_CHECKING:
@@ -28,9 +28,10 @@ def picture_of(film: Film, layers: bool) -> Picture:
             planes["samples"] = film.sample_count.astype(np.uint32)
             planes |= aov_planes(film) | mattes.planes_of(film)
             header = mattes.header_of(film)
+        alpha, shadow = readout.cover_of(film)
         return Picture(
             film.image, planes, attributes, (film.width, film.height), film.crop[:2],
-            alpha=film.alpha, header=header,
+            alpha=alpha, shadow=shadow, header=header,
         )  # fmt: skip
 
 

@@ -302,10 +302,8 @@ class Film:
         """
         return mattes.mask_of(self, name, layer)
 
-    @property
-    def alpha(self) -> np.ndarray | None:
-        """Coverage (h, w) that `image` is multiplied by; None if it has a background."""
-        return readout.alpha_of(self)
+    alpha = property(readout.alpha_of)
+    alpha_error = property(readout.alpha_error_of)
 
     @property
     def error(self) -> ErrorEstimate:

@@ -14,15 +14,17 @@ if TYPE_CHECKING:
     from alight.films.film import Film
 
 
-def png_of(film: Film) -> bytes:
+def png_of(film: Film, display: Display | None = None) -> bytes:
     """Encode the picture as an 8-bit sRGB PNG."""
     picture = film.picture(layers=False)
-    return encode_png(Display().apply(picture.straight), bits=8, alpha=picture.alpha)
+    shown = (display or Display()).developed(picture.straight).apply(picture.straight)
+    colors, alpha = picture.over_display(shown)
+    return encode_png(colors, bits=8, alpha=alpha)
 
 
-def html_of(film: Film) -> str:
+def html_of(film: Film, display: Display | None = None) -> str:
     """Show the picture with size, samples, error and what went wrong."""
-    picture = base64.b64encode(png_of(film)).decode("ascii")
+    picture = base64.b64encode(png_of(film, display)).decode("ascii")
     _, _, w, h = film.crop
     facts = [f"{w} × {h} pixels", f"{film.spp:g} samples per pixel"]
     error = film.relmse_estimate().relrmse.value

@@ -162,8 +162,30 @@ def _means_and_counts(sums: np.ndarray, counts: np.ndarray) -> Any:
 
 
 def alpha_of(film: Film) -> np.ndarray | None:
-    """Coverage of each pixel, float32, shape (h, w); None where the picture has a background."""
+    """Alpha of each pixel, float32, shape (h, w); None where the picture has a background."""
+    covered, shadow = cover_of(film)
+    return covered if covered is None or shadow is None else covered + shadow
+
+
+def cover_of(film: Film) -> tuple[np.ndarray | None, np.ndarray | None]:
+    """Coverage of each pixel, and what shadows add to it; None for what the picture has not."""
     # With a background in it the picture has no alpha, whatever layers there are.
     if "alpha" not in film.aov_sums or not film.options.get("hide_emitters"):
+        return None, None
+    shadow = film.aov("shadow")[..., 0] if "shadow" in film.aov_sums else None
+    return film.aov("alpha")[..., 0], shadow
+
+
+def alpha_error_of(film: Film) -> np.ndarray | None:
+    """Standard error of alpha, float32, shape (h, w), as of independent samples.
+
+    That of samples that are spread evenly is smaller. None where alpha is, NaN below two samples.
+    """
+    alpha = alpha_of(film)
+    if alpha is None:
         return None
-    return film.aov("alpha")[..., 0]
+    # A sample that is covered, or not, has its weight as its square where filters have one sign.
+    square = film.aov("shadow")[..., 1] if "shadow" in film.aov_sums else alpha
+    n = film.sample_count.astype(np.float64)
+    variance = np.maximum(square - alpha.astype(np.float64) ** 2, 0.0)
+    return np.sqrt(variance / np.where(n > 1, n - 1.0, np.nan)).astype(np.float32)

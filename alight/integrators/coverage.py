@@ -12,6 +12,7 @@ picture, whether it is stopped: the mean is the opacity. Glass and mirrors are s
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import sample_bsdf
@@ -55,12 +56,14 @@ WeightTable = namedtuple("WeightTable", "tile last keys before sums used")
 ROW_BITS = 32
 
 
-def write_cover(program, add):
+def write_cover(program, add, leave: Any = None):
     """``(scene, film, path)``: find what the samples of a packet meet.
 
-    ``add(film, path, hit, mask)`` is called for the lanes whose paths have met a surface; the
-    filter's weight is ``path.beta``.
+    ``add(film, path, hit, mask)`` is called for the lanes whose paths have met a surface,
+    ``leave(scene, film, path, mask)`` for those whose rays have left the scene; the filter's weight
+    is ``path.beta``.
     """
+    leaves = leave is not None
     hides, holes = program.option("hide_emitters", False), has_null(program)
 
     @kernel
@@ -68,6 +71,8 @@ def write_cover(program, add):
         while any_lane(path.active):
             hit = intersect_closest(scene, path.o, path.d, lanes(INFINITY), path.active)
             active = path.active & (hit.t < INFINITY)
+            if leaves:
+                leave(scene, film, path, path.active & ~active)
             surface = make_surface(scene, hit, path.o, path.d, active)
             passes, o, d = lanes_mask(False), path.o, path.d
             if holes:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 #: What an error may be that of, and the rules of adaptive sampling.
 PROMISED, CRITERIA = ("relrmse", "pixel"), ("pilot", "cycles")
 
-#: What is seen where there is no surface: the surroundings, or nothing.
-BACKGROUNDS = ("scene", "transparent")
+#: What is seen where there is no surface: the surroundings, nothing, or shadows on the ground.
+BACKGROUNDS = ("scene", "transparent", "shadow")
 #: The layer of coverage, and the setting that keeps the surroundings out of the picture.
 COVERAGE, HIDES = "alpha", "integrator.hide_emitters"
 
@@ -37,8 +37,9 @@ def layer_names() -> Iterable[str]:
     """Layers that can be asked for."""
     from alight.films.mattes import ALL_MATTES, MATTES
     from alight.integrators.aov import LAYERS
+    from alight.lights.ground import SHADOW
 
-    return ("direct", "indirect", *LAYERS, ALL_MATTES, *MATTES)
+    return ("direct", "indirect", *LAYERS, SHADOW, ALL_MATTES, *MATTES)
 
 
 @table
@@ -170,7 +171,8 @@ class RenderOptions(
     )  # fmt: skip
     background: str = option(
         Choice("background", BACKGROUNDS),
-        "scene, or transparent: alpha in EXR and PNG, and the lights themselves are hidden.",
+        "scene, or transparent: alpha in EXR and PNG, and the lights themselves are hidden; "
+        "shadow: the same with the shadows on the ground.",
         default="scene", panel=PICTURE,
     )  # fmt: skip
     aovs: Sequence[str] | str = option(
@@ -256,10 +258,18 @@ class RenderOptions(
                 raise OptionError(problem % name, names=("schedule", name))
         if self.part is not None:
             check_part(self)
-        if self.background == "transparent" and COVERAGE not in self.aovs:
-            object.__setattr__(self, "aovs", (*self.aovs, COVERAGE))
+        further = [name for name in self.layers_of_background if name not in self.aovs]
+        if further:
+            object.__setattr__(self, "aovs", (*self.aovs, *further))
         if self.criterion == "pilot":
             check_end(self.error, self.spp, self.max_spp)
+
+    @property
+    def layers_of_background(self) -> tuple[str, ...]:
+        """Layers that alpha is made of."""
+        from alight.lights.ground import SHADOW
+
+        return {"scene": (), "transparent": (COVERAGE,)}.get(self.background, (COVERAGE, SHADOW))
 
     def assignments(self) -> list[str]:
         """Those of any scene, and what a transparent background takes."""

@@ -43,8 +43,8 @@ def write(path: Path, picture: Picture, display: Development) -> None:
     header |= {f"alight.{key}": value for key, value in picture.attributes.items()}
     header |= picture.header
     channels = {c: np.ascontiguousarray(picture.image[..., i]) for i, c in enumerate("RGB")}
-    if picture.alpha is not None:
-        channels["A"] = np.ascontiguousarray(picture.alpha, np.float32)
+    if picture.opacity is not None:
+        channels["A"] = np.ascontiguousarray(picture.opacity, np.float32)
     if display.dpi is not None:
         header["xDensity"] = float(display.dpi)
     for name, plane in picture.layers.items():

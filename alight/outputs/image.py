@@ -15,6 +15,9 @@ from alight.outputs.atomic import check_folder, replacing
 from alight.outputs.display import Display
 from alight.outputs.picture import Picture, as_picture
 
+#: The channel of the part of alpha that is shadow.
+SHADOW = "shadow.A"
+
 #: The formats. Each module has SUFFIXES, IS_DISPLAY (tone mapped, not linear),
 #: KEEPS_LAYERS, `write` and `read`.
 FORMATS: tuple[ModuleType, ...] = (exr, png, jpeg, npy, hdr, pfm)
@@ -129,5 +132,11 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
         If the file is missing, broken or of an unknown format.
     """
     image = read_image(path)
-    alpha = exr.read_layers(path)[0].get("A") if format_of(path) is exr else None
-    return Picture(image, alpha=None if alpha is None else np.float32(alpha))
+    layers = exr.read_layers(path)[0] if format_of(path) is exr else {}
+    alpha, shadow = layers.get("A"), layers.get(SHADOW)
+    if alpha is None:
+        return Picture(image)
+    if shadow is None:
+        return Picture(image, alpha=np.float32(alpha))
+    covered = np.maximum(alpha - shadow, np.float32(0.0))
+    return Picture(image, alpha=covered, shadow=np.float32(shadow))

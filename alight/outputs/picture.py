@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import OutputError
+from alight.core.srgb import encode_srgb
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Picture:
         Pixel of the full film that the upper left corner is.
     alpha : ndarray of float32, shape (h, w), optional
         Coverage, by which `image` is multiplied already.
+    shadow : ndarray of float32, shape (h, w), optional
+        Further share of the background that is kept from sight: black, beside what covers.
     header : dict of str to str
         What other programs look for in a file, under its full names.
     """
@@ -39,6 +42,46 @@ class Picture:
     offset: tuple[int, int] = (0, 0)
     alpha: np.ndarray | None = None
     header: dict[str, str] = field(default_factory=dict)
+    shadow: np.ndarray | None = None
+
+    @property
+    def opacity(self) -> np.ndarray | None:
+        """Share of the background that is not seen, in linear light: coverage and shadow."""
+        return self.alpha if self.alpha is None or self.shadow is None else self.alpha + self.shadow
+
+    def over_display(self, encoded: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """Colours and alpha for programs that blend values encoded for a display, as browsers do.
+
+        A shadow that lets the share s of the light through shows a background of the encoded value
+        b as sRGB(s) b: where the curve is a power, that is what s makes of its light. Edges are
+        blended by coverage, as is usual.
+
+        Parameters
+        ----------
+        encoded : ndarray of float, shape (h, w, 3)
+            `straight`, encoded.
+
+        Returns
+        -------
+        ndarray of float, shape (h, w, 3)
+            Straight colours.
+        ndarray of float, shape (h, w), or None
+            Alpha in [0, 1], if there is any.
+        """
+        if self.alpha is None or self.shadow is None:
+            return encoded, None if self.alpha is None else np.clip(self.alpha, 0.0, 1.0)
+        covered = np.clip(self.alpha.astype(np.float64), 0.0, 1.0)
+        beside = np.where(covered < 1.0, 1.0 - covered, 1.0)
+        seen = beside * encode_srgb(np.clip(1.0 - self.shadow / beside, 0.0, 1.0))
+        alpha = np.where(covered < 1.0, 1.0 - seen, 1.0)
+        share = covered / np.where(alpha > 0.0, alpha, 1.0)
+        return encoded * share[..., None], alpha
+
+    def rows(self, rows: slice) -> Picture:
+        """Some rows, without the layers."""
+        cut = (None if plane is None else plane[rows] for plane in (self.alpha, self.shadow))
+        alpha, shadow = cut
+        return Picture(self.image[rows], alpha=alpha, shadow=shadow)
 
     @property
     def straight(self) -> np.ndarray:

@@ -30,11 +30,12 @@ def write(path: Path, picture: Picture, display: Development) -> None:
     """Write the tone-mapped picture."""
     image, bits = picture.straight, display.bits
     # Band by band: the steps of tone mapping would take several times the picture's own memory.
-    bands = [
-        _whole_numbers(display.apply(image[y : y + _BAND]), bits)
-        for y in range(0, len(image), _BAND)
-    ]
-    whole = _with_alpha(np.concatenate(bands), picture.alpha, bits)
+    bands = []
+    for y in range(0, len(image), _BAND):
+        rows = slice(y, y + _BAND)
+        colors, alpha = picture.rows(rows).over_display(display.apply(image[rows]))
+        bands.append(_with_alpha(_whole_numbers(colors, bits), alpha, bits))
+    whole = np.concatenate(bands)
     path.write_bytes(_encode(whole, bits, picture.attributes, display.dpi))
 
 

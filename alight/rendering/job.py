@@ -172,7 +172,8 @@ class Job:
 
         Tables are NumPy's work, whose functions may round otherwise on another processor.
         """
-        return {TABLES: digest_of_tables(self.scene.tables)} if target() == PORTABLE else {}
+        read = (self.scene.tables, self.scene.ground) if self.scene.ground else self.scene.tables
+        return {TABLES: digest_of_tables(read)} if target() == PORTABLE else {}
 
     # ------------------------------------------------------------------------ saved and restored
 

@@ -6,10 +6,13 @@ from collections.abc import Sequence
 
 from alight.films.mattes import ALL_MATTES, MATTES
 from alight.integrators.aov import LAYERS
+from alight.integrators.shadow_catcher import CHANNELS
+from alight.lights.ground import SHADOW
 
 #: Further layers and their channels; mattes have none, they are kept as a table.
 AOVS = {
-    "direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS, **dict.fromkeys(MATTES, ()),
+    "direct": ("R", "G", "B"), "indirect": ("R", "G", "B"), **LAYERS, SHADOW: CHANNELS,
+    **dict.fromkeys(MATTES, ()),
 }  # fmt: skip
 
 

@@ -89,12 +89,12 @@ def _described(scene: Any, options: RenderOptions) -> Scene:
     try:
         description = scene_of(scene, options)
     except SceneError as error:
-        if options.background == "transparent" and any(i.path == HIDES for i in error.issues):
-            text = "transparent needs an integrator that can hide lights: path or direct"
+        if options.background != "scene" and any(i.path == HIDES for i in error.issues):
+            text = f"{options.background} needs an integrator that can hide lights: path or direct"
             raise OptionError(text, "background") from None
         raise
-    if options.background == "transparent" and next(description.used_media(), None):
-        text = "transparent is for surfaces; of a medium no coverage is known"
+    if options.background != "scene" and next(description.used_media(), None):
+        text = f"{options.background} is for surfaces; of a medium no coverage is known"
         raise OptionError(text, "background")
     return description
 

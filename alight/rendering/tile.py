@@ -25,7 +25,9 @@ from alight.integrators.aov import (
     layer_bits,
 )
 from alight.integrators.coverage import ROW_BITS, WeightTable
+from alight.integrators.shadow_catcher import CHANNELS
 from alight.integrators.walk import Settings
+from alight.lights.ground import SHADOW
 from alight.rendering.both_ends_tile import splatting_tile_kernel
 from alight.rendering.tile_kernel import (
     INVALID,
@@ -34,6 +36,7 @@ from alight.rendering.tile_kernel import (
     Tile,
     render_coverage,
     render_layers,
+    render_shadows,
 )
 from alight.rendering.tile_loop import render_step_by_step, render_tile_kernel
 from lanewise.jit import StockKernel, instantiate
@@ -57,12 +60,15 @@ class Kernels(NamedTuple):
         For `Film.add_tile`; None in the NumPy twin.
     coverage : callable or None
         The pass that weighs surfaces, if mattes are wanted.
+    shadows : callable or None
+        The pass for shadows on the ground, if these are wanted.
     """
 
     beauty: Callable
     layers: Callable | None
     add_rows: Callable | None
     coverage: Callable | None = None
+    shadows: Callable | None = None
 
 
 def make_kernels(
@@ -96,12 +102,14 @@ def make_kernels(
         options += tuple(one for one in scene.program.options if one[0] == GUIDED)
     looking = scene.program._replace(integrator="", options=options, aovs=aovs)
     beauty = scene.program._replace(aovs=tuple({"direct"} & set(scene.program.aovs)))
-    add, weigh = compiled_add_rows() if compiled else None, None
-    if scene.surfaces:
-        covered = scene.program._replace(integrator="", options=hides, aovs=())
-        weigh = make(render_coverage, covered)
-    looked = make(render_layers, looking) if wanted else None
-    return Kernels(make(picture, beauty), looked, add, weigh)
+    covered = scene.program._replace(integrator="", options=hides, aovs=())
+    return Kernels(
+        make(picture, beauty),
+        make(render_layers, looking) if wanted else None,
+        compiled_add_rows() if compiled else None,
+        make(render_coverage, covered) if scene.surfaces else None,
+        make(render_shadows, covered) if scene.ground else None,
+    )
 
 
 @lru_cache(maxsize=1)
@@ -180,6 +188,11 @@ def render_tile(
         kernels.layers(scene.tables, settings, tile, samples, layer_bits(wanted), layers)
         for name, layer in zip(wanted, layers.shaped, strict=True):
             aovs[name] = layer[:, :, : len(LAYERS[name])]
+    if scene.ground:
+        assert kernels.shadows is not None
+        shadows = View(np.zeros((tile.y1 - tile.y0, tile.x1 - tile.x0, 3, 2), np.int64))
+        kernels.shadows(scene.tables, settings, tile, samples, scene.ground, shadows)
+        aovs[SHADOW] = shadows.shaped[:, :, : len(CHANNELS)]
     partial = PartialFilm(
         x0=tile.x0,
         y0=tile.y0,

@@ -17,6 +17,7 @@ from alight.integrators.aov import LayerFilm, look
 from alight.integrators.coverage import weigh
 from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
+from alight.integrators.shadow_catcher import ShadowFilm, catch_shadows
 from alight.integrators.walk import (
     FILTER,
     LENS,
@@ -243,3 +244,15 @@ def render_coverage(scene, settings, tile, ranges, table):
         cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
         path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
         weigh(scene, table, path)
+
+
+@kernel
+def render_shadows(scene, settings, tile, ranges, ground, sums):
+    """Render the shadows on the `Ground` of the samples `ranges` of one tile."""
+    cursor = next_pixel(settings, tile, ranges, Cursor(-1, 0, 0, 0, 0, 0))
+    _, cells = count_cells(tile)
+    film = ShadowFilm(tile, 1, sums, ground)
+    while cursor.cell < cells:
+        cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
+        path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
+        catch_shadows(scene, film, path)

@@ -212,7 +212,12 @@ def _type_problem(marker: Model, name: object, path: str) -> tuple[str, str]:
         return path, f"needs a type  (types: {', '.join(known)})"
     if not isinstance(name, str):
         return join_path(path, "type"), f"must be a text, got {show_value(name)}"
-    return join_path(path, "type"), unknown_name(marker.kind, name, known, listed_as="types")
+    text = unknown_name(marker.kind, name, known, listed_as="types")
+    # What is like no name may be a model of somebody's own.
+    hint = (
+        "" if "did you mean" in text else "; a script of yours that registers it: --plugin FILE.py"
+    )
+    return join_path(path, "type"), text + hint
 
 
 def _stand_in(family: str, path: str) -> Spec:

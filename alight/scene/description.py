@@ -33,6 +33,7 @@ from alight.core.spec import (
     invalid,
 )
 from alight.media.coefficients import shines
+from alight.outputs import html
 from alight.scene.source import Memory, Source
 from alight.scene.transform import IDENTITY, Transform
 
@@ -342,6 +343,24 @@ class Scene(Spec):
         """Visit all nodes of the graph, parents first: node path, key path, node."""
         for name, node in self.nodes.items():
             yield from node.walk(name, f"nodes.{name}")
+
+    def _facts(self) -> list[tuple[str, str]]:
+        width, height = self.film.size
+        return [
+            ("film", f"{width}x{height} pixels"),
+            ("integrator", self.integrator.type_name()),
+            ("nodes", f"{sum(1 for _ in self.walk())}"),
+            ("materials", f"{len(self.bsdfs)} with a name"),
+            ("surroundings", self.environment.type_name() if self.environment else "dark"),
+        ]
+
+    def __repr__(self) -> str:
+        """Say in a line what it holds: meshes may have millions of numbers."""
+        return f"<Scene: {', '.join(f'{name} {value}' for name, value in self._facts())}>"
+
+    def _repr_html_(self) -> str:
+        """Show in a notebook what it holds; `alight.info` tells more."""
+        return html.division(html.table(self._facts()), html.preformatted(self.warnings))
 
     def __eq__(self, other: object) -> bool:
         """Compare what the scenes describe, not where they came from."""

@@ -126,7 +126,7 @@ class Movable:
         names = ("position", "depth")
         if self._look is None:
             program = compiled.program._replace(aovs=names)
-            self._look = make_kernels(replace(compiled, program=program)).layers
+            self._look = make_kernels(replace(compiled, program=program, ground=None)).layers
         assert self._look is not None
         settings = make_settings(compiled.integrator, seed=0, replicates=1, guide=compiled.guide)
         sums = View(np.zeros((len(names), 1, 1, 3, 2), np.int64))

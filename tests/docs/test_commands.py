@@ -1,6 +1,7 @@
 """Commands that the README tells people to type exist."""
 
 import re
+import shlex
 
 import pytest
 from typer.testing import CliRunner
@@ -30,7 +31,7 @@ def test_make_words_exist():
 
 @pytest.mark.parametrize("line", _commands("alight"))
 def test_alight_commands_and_options_exist(line):
-    words = line.split()[1:]
+    words = shlex.split(line, comments=True)[1:]
     if words[0].startswith("-"):
         return
     # `alight scene random` is a command of two words.

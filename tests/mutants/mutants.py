@@ -28,6 +28,7 @@ from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
 from tests.mutants.scattering import SCATTERING
+from tests.mutants.shadows import SHADOWS
 from tests.mutants.shown_again import SHOWN_AGAIN
 from tests.mutants.slips import SLIPS
 from tests.mutants.strands import STRANDS
@@ -48,6 +49,7 @@ MUTANTS = (
     + RAYS
     + FILM
     + MATTES
+    + SHADOWS
     + DISPLACEMENT
     + DISPERSED
     + FACETS

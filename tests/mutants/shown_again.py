@@ -8,7 +8,7 @@ SHOWN_AGAIN = (
     Mutant(
         "a picture shown again without its alpha",
         "outputs/image.py",
-        (("alpha=None if alpha is None else np.float32(alpha)", "alpha=None"),),
+        (("return Picture(image, alpha=np.float32(alpha))", "return Picture(image)"),),
         f"{SHOWN}::test_alpha_of_an_exr_stays",
     ),
     Mutant(

@@ -159,6 +159,9 @@ def test_a_transparent_background_asks_for_what_it_takes():
     options = RenderOptions(background="transparent", aovs="albedo")
     assert options.aovs == options.changed(spp=4).aovs == ("albedo", "alpha")
     assert options.assignments() == ["integrator.hide_emitters=true"]
+    options = RenderOptions(background="shadow", aovs="shadow,albedo")
+    assert options.aovs == options.changed(spp=4).aovs == ("shadow", "albedo", "alpha")
+    assert options.assignments() == ["integrator.hide_emitters=true"]
 
 
 @pytest.mark.parametrize("table", TABLES)

@@ -13,6 +13,7 @@ from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.outputs import FORMATS, hdr, read_image, write_image
 from alight.outputs.exr import read_layers
+from alight.outputs.image import read_picture
 from alight.outputs.picture import Picture, as_picture
 
 
@@ -307,6 +308,34 @@ def test_png_keeps_straight_alpha_and_exr_what_is_multiplied_by_it(bits, tmp_pat
     channels, _ = read_layers(tmp_path / "a.exr")
     assert channels["A"][0].tolist() == [1.0, 0.5, 0.0]
     assert channels["R"][0].tolist() == [0.5, 0.25, 0.0]
+
+
+def test_shadows_are_black_where_nothing_covers(tmp_path):
+    """Over white, blended as browsers do, the share of the light that comes through is shown."""
+    open_share = np.float64([[0.25, 0.5, 1.0]])
+    covered = np.float32([[0.0, 0.5, 1.0]])
+    shadow = np.float32((1.0 - covered) * (1.0 - open_share))
+    image = np.float32(covered[..., None] * [0.2, 0.4, 0.6])
+    picture = Picture(image, {"shadow.A": shadow}, alpha=covered, shadow=shadow)
+    write_image(tmp_path / "a.png", picture, bits=16)
+    shown = blended_over_white(picture)
+    edge = 0.5 * encode_srgb(np.float64([0.2, 0.4, 0.6])) + 0.5 * encode_srgb(np.float64(0.5))
+    np.testing.assert_allclose(shown[0, 0], encode_srgb(np.float64(0.25)), atol=1e-6)
+    np.testing.assert_allclose(shown[0, 1], edge, atol=1e-6)
+    np.testing.assert_allclose(shown[0, 2], encode_srgb(np.float64([0.2, 0.4, 0.6])), atol=1e-6)
+    with Image.open(tmp_path / "a.png") as file:
+        assert file.mode == "RGBA" and np.asarray(file)[0, 2, 3] == 255
+    write_image(tmp_path / "a.exr", picture)
+    channels, _ = read_layers(tmp_path / "a.exr")
+    np.testing.assert_array_equal(channels["A"], covered + shadow)
+    again = read_picture(tmp_path / "a.exr")
+    np.testing.assert_allclose(again.alpha, covered, atol=1e-6)
+    np.testing.assert_allclose(blended_over_white(again), shown, atol=1e-6)
+
+
+def blended_over_white(picture):
+    colors, alpha = picture.over_display(encode_srgb(picture.straight.astype(np.float64)))
+    return colors * alpha[..., None] + (1.0 - alpha[..., None])
 
 
 @pytest.mark.parametrize("suffix", ["png", "jpg"])

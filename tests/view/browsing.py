@@ -46,11 +46,15 @@ def launched():
         made.close()
 
 
-def opened(browser, address, width=1200):
-    """A page that has settled, and the errors that it notes from now on."""
+def opened(browser, address, width=1200, script=""):
+    """A page that has settled, and the errors that it notes from now on.
+
+    `script` runs before those of the page.
+    """
     page, errors = browser.new_page(viewport={"width": width, "height": 760}), []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.on("console", lambda m: errors.append(m.text) if m.type in ("error", "warning") else None)
+    page.add_init_script(script)
     page.goto(address)
     page.wait_for_selector(SETTLED, timeout=300_000)
     return page, errors

@@ -1,7 +1,9 @@
 // The WebSocket to the server (the messages are described in alight/view/protocol.py), opened
 // again whenever it closes.
 
-const SOONEST = 250, LATEST = 4000, HEADER = 16;
+import { frameOf } from "./frames.js";
+
+const SOONEST = 250, LATEST = 4000;
 
 export class Connection {
   // `on` has functions state(object), pixel(object), refused(object), frame(object) and open(bool).
@@ -31,9 +33,7 @@ export class Connection {
       this.on[message.is]?.(message);
       return;
     }
-    const [picture, width, height, number] = new Uint32Array(data, 0, 4);
-    const rgba = new Uint8ClampedArray(data, HEADER);
-    this.on.frame({ picture, number, image: new ImageData(rgba, width, height) });
+    this.on.frame(frameOf(data));
   }
 
   send(word, keys = {}) {

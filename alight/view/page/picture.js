@@ -1,5 +1,7 @@
 // The picture on its stage: fitted or zoomed, beside one that was kept, with the marked pixel.
 
+import { draw } from "./frames.js";
+
 const $ = (id) => document.getElementById(id);
 
 export class Picture {
@@ -23,12 +25,7 @@ export class Picture {
   }
 
   draw({ picture, image }) {
-    const canvas = this.canvases[picture];
-    if (canvas.width !== image.width || canvas.height !== image.height) {
-      canvas.width = image.width;
-      canvas.height = image.height;
-    }
-    canvas.getContext("2d").putImageData(image, 0, 0);
+    draw(this.canvases[picture], image);
   }
 
   // Pixels of the screen that a pixel of the picture is wide.

@@ -1,0 +1,37 @@
+"""The level ground on which a scene stands, where shadows are to be caught on one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from alight.compiled.program import Program
+from alight.compiled.shapes import CompiledShapes
+from alight.core.errors import Issue, SceneError
+from alight.lights.ground import Ground, measured_ground
+from alight.scene.flatten import FlatScene
+
+_WHAT = 'shadows are caught (background "shadow", layer "shadow")'
+
+
+def ground_of(flat: FlatScene, shapes: CompiledShapes, program: Program, tables: tuple) -> Ground:
+    """Put the ground at the lowest point of all finite shapes, +y being up.
+
+    Raises
+    ------
+    SceneError
+        If there is no such point, for media, and for shapes that shine: how much light they would
+        bring to open ground is not known.
+    """
+    issues = [
+        Issue(placed.name, f"shines; {_WHAT} of lights at points and at infinity only")
+        for placed in flat.shapes
+        if placed.light is not None
+    ]
+    if program.media:
+        issues.append(Issue("media", f"{_WHAT} in empty space only"))
+    if shapes.lowest is None:
+        issues.append(Issue("nodes", f"{_WHAT} below finite shapes; there are none"))
+    if issues:
+        raise SceneError(issues[:1])
+    point = np.array([shapes.center[0], shapes.lowest, shapes.center[2]])
+    return measured_ground(program, tables, point)
