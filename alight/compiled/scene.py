@@ -150,6 +150,7 @@ def compile_scene(
         choice,
         compensated=flat.integrator.combines,
         emits="always" if emits or flat.integrator.splats else own,
+        aims=flat.integrator.aims_at_lamps,
         kept=kept,
     )
     tables = SceneTables(

@@ -50,12 +50,13 @@ from typing import Annotated, ClassVar, Literal
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import absorbs, concentration, has_null, refracts, transmittance
+from alight.bsdfs.switch import absorbs, has_null, transmittance
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.chain_types import follows_chains
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -67,11 +68,13 @@ from alight.integrators.guided import (
     write_guided_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
+from alight.integrators.manifold_sampling import add_caustics
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import drawn_by_bsdf, write_reach_environment, write_reach_lamp
-from alight.integrators.roulette import play_beside_guide, play_roulette
+from alight.integrators.roulette import write_end_dim_paths
 from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.specular_chain import extended
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -106,16 +109,26 @@ class Path(PathTracing):
     ----------
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
+    caustics : {"paths", "manifold"}, default "paths"
+        How the light of lamps is found behind mirrors and clear glass: by paths that happen to hit
+        them, or also by manifold sampling (`alight.integrators.manifold_sampling`), which pays
+        where lamps are small.
     """
 
     walks_inside: ClassVar[bool] = True
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
+    caustics: Annotated[Literal["paths", "manifold"], NoiseOnly()] = "paths"
+
+    @property
+    def aims_at_lamps(self) -> bool:
+        """As `caustics` says."""
+        return self.caustics == "manifold"
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
-        if self.light_sampling != "mis" or self.wants_guide:
+        if self.light_sampling != "mis" or self.wants_guide or self.aims_at_lamps:
             return None
         share = 0.5 if self.heuristic == "power" else 1.0
         return largest_of_paths(self, share, radiance, weight, start)
@@ -128,6 +141,7 @@ EXAMPLES = (
     Path(light_sampling="emitter", light_choice="uniform"),
     Path(heuristic="balance", rr_depth=1),
     Path(hide_emitters=True, guiding="on"),
+    Path(caustics="manifold"),
 )
 
 
@@ -217,14 +231,14 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
-    guided = is_guided(program)
+    guided, chains = is_guided(program), follows_chains(program)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
     absorbing = absorbs(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
-    end_dim_paths = _write_end_dim_paths(program)
+    end_dim_paths = write_end_dim_paths(program, guided)
 
     @kernel
     def shade(scene, settings, path, hit):
@@ -245,9 +259,15 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             hidden = active & is_from_camera(path) & (surface.light != 0)
             active = active & ~hidden
 
+        # Caustics of small lamps; what they count of the light that the ray hit is not gathered.
+        gathering = active
+        if chains:
+            path, covered = add_caustics(scene, settings, path, surface, wo, active)
+            gathering = active & ~covered
+
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
-            path = reach_lamp(scene, path, hit, surface, active)
+            path = reach_lamp(scene, path, hit, surface, gathering)
 
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
@@ -270,6 +290,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         d = to_world(surface, wi)
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
+        if chains:
+            on = replace(on, chain=extended(scene, path.chain, surface, o, d, flags))
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
@@ -298,23 +320,6 @@ def _write_is_from_camera(program):
         return first
 
     return is_from_camera
-
-
-def _write_end_dim_paths(program):
-    """Roulette by throughput, of ``(scene, settings, path, surface, wi, brightness, here)``."""
-    refracting, guided = refracts(program), is_guided(program)
-
-    @kernel
-    def end_dim_paths(scene, settings, path, surface, wi, brightness, here):
-        if refracting:
-            # A path in glass is not dim: it regains on the way out what it lost on the way in.
-            brightness = brightness * concentration(scene, surface, wi)
-        dimension = vertex_dimension(path.depth)
-        if guided:
-            return play_beside_guide(settings, path, dimension, brightness, here.gain)
-        return play_roulette(settings, path, dimension, brightness)
-
-    return end_dim_paths
 
 
 def _write_guided_scatter(roulette):

@@ -52,8 +52,8 @@ def empty_paths():
     return VolumePathState(
         o=path.o, d=path.d, p=path.p, L=path.L, L_direct=path.L_direct, beta=path.beta,
         pdf=path.pdf, delta=path.delta, depth=path.depth, sampler=path.sampler,
-        active=path.active, rays=path.rays, unguided=path.unguided, medium=zero,
-        channel=zero, steps=zero, ours=lanes_vec3(1.0), lights=lanes_vec3(0.0),
+        active=path.active, rays=path.rays, unguided=path.unguided, chain=path.chain,
+        medium=zero, channel=zero, steps=zero, ours=lanes_vec3(1.0), lights=lanes_vec3(0.0),
     )  # fmt: skip
 
 

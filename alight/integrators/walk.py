@@ -15,6 +15,7 @@ from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, luminance, normalize
 from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
+from alight.integrators.chain_types import follows_chains, no_chain
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
@@ -40,9 +41,10 @@ from lanewise.simd import (
 #: delta : mask, d was chosen by a delta lobe, or is a camera ray;
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
-#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty.
+#: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
+#: chain : `alight.integrators.specular_chain.Chain` where caustics are looked for, else empty.
 PathState = namedtuple(
-    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided"
+    "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided chain"
 )
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
@@ -90,7 +92,7 @@ def no_paths():
         o=black, d=lanes_vec3(1.0), p=black, L=black, L_direct=black, beta=black, pdf=lanes(0.0),
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
-        active=lanes_mask(False), rays=as_int(0), unguided=(),
+        active=lanes_mask(False), rays=as_int(0), unguided=(), chain=(),
     )  # fmt: skip
 
 
@@ -121,6 +123,8 @@ def begin_paths(new, o, d, weight, sampler, path):
 def empty_paths(program):
     """``empty_paths()``: inactive paths, with all that the integrator keeps."""
     own = model_of(program).empty_paths or no_paths
+    if follows_chains(program):
+        own = _empty_with_chains(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -131,6 +135,14 @@ def empty_paths(program):
     return empty_guided_paths
 
 
+def _empty_with_chains(own):
+    @kernel
+    def empty_paths_with_chains():
+        return replace(own(), chain=no_chain())
+
+    return empty_paths_with_chains
+
+
 @specialised
 def start_paths(program):
     """``start_paths(new, o, d, weight, sampler, path)``: as `begin_paths`, for the integrator.
@@ -139,6 +151,8 @@ def start_paths(program):
     `start_paths`.
     """
     own = model_of(program).start_paths or begin_paths
+    if follows_chains(program):
+        own = _start_with_chains(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -148,6 +162,15 @@ def start_paths(program):
         return replace(path, unguided=where(new, begin_unguided(), path.unguided))
 
     return start_guided_paths
+
+
+def _start_with_chains(own):
+    @kernel
+    def start_paths_with_chains(new, o, d, weight, sampler, path):
+        path = own(new, o, d, weight, sampler, path)
+        return replace(path, chain=where(new, no_chain(), path.chain))
+
+    return start_paths_with_chains
 
 
 @kernel(strict=True)
