@@ -116,83 +116,90 @@ def _going_on(number):
     return pow(ratio, lanes(LONG_POWER))
 
 
-@kernel
-def add_caustics(scene, settings, path, surface, wo, active):
-    """Light of small lamps behind mirrors and glass.
+def write_add_caustics(listeners):
+    """``(scene, settings, path, surface, wo, active) -> (path, covered)``: light behind glass.
 
-    Returns
-    -------
-    path : as given
-        With the light that was found from here.
-    covered : mask
-        The lamp that the path has hit counted already where it was last scattered.
+    Light of lamps behind mirrors and glass is added where paths scatter it. covered: mask, the lamp
+    that the path has hit was counted where the path was last scattered. `listeners`: kernels of
+    `alight.integrators.contributions`, or nothing in the place of each.
     """
-    depth, rays = path.depth + 1, path.rays
-    shining = surface.light != 0
-    given = active & shining & path.chain.known & (path.chain.type.count > 0)
-    stream = _stream(path)
-    # One more surface and the lamp.
-    looking = active & ~shining & (depth + 1 < settings.max_depth)
-    chance, u = step_numbers(stream, lanes_u32(0))
-    stop, _ = step_numbers(stream, lanes_u32(1))
-    probability = minimum(maximum(max_component(absolute_vec3(path.beta)), LEAST_CHANCE), 1.0)
-    looking = looking & (chance < probability)
-    light, chosen = choose_target(scene, u)
-    light = where(given, surface.light - 1, light)
-    c, radius = sphere_of(scene, light)
-    given, looking = given & (radius > 0.0), looking & (radius > 0.0)
-    covered = lanes_mask(False)
-    if any_lane(given | looking):
-        factor, total = lanes_vec3(0.0), lanes(0.0)
-        number, made = lanes_u32(0), lanes(0.0)
-        search = Search(surface, wo, Target(light, c, radius), stream, lanes_u32(OWN_PAIRS))
-        begin = Begin(
-            looking, given, lanes_mask(False), path.chain.o, path.chain.d, path.chain.type
-        )
-        trial = Trial(search, path.chain.type, path.chain.d, lanes(0.0), stop, path.sampler)
-        memory = local_records(ROOM, trial)
-        seen, repeating, going, waiting, mine = scene, False, True, 0, trial
-        while going:
-            result = search_lamps(seen, search, begin)
-            rays += result.rays
-            if repeating:
-                weight = 1.0 / _going_on(number)
-                bits = mask_bits(_is_taken(trial, search, result))
-                count = trailing_zeros(bits) + 1 if bits != 0 else LANES
-                made = made + weight * to_float(lanes_u32(count))
-                number = number + LANES
-                if bits != 0 or not any_lane(trial.stop < _going_on(number)):
-                    mine_now = lane_index() == trailing_zeros(waiting)
-                    total = where(mine_now, made, total)
-                    waiting &= waiting - 1
-                    number, made = lanes_u32(0), lanes(0.0)
-            else:
-                # Of a direction by itself: is it covered?
-                w = where(given, path.chain.d, result.w)
-                q, density = place_near(result.second, w)
-                holds = q <= 1.0
-                covered = given & holds
-                # The light from there, if it is, and the solution was one of those that are taken.
-                most = SLACK * density
-                _, drawn = place_near(result.first, w)
-                lit = looking & holds & (drawn > 0.0) & (drawn <= most)
-                lit = lit & (max_component(result.found) > 0.0)
-                lit = lit & (depth + result.type.count < settings.max_depth)
-                lit = lit & ~enters_body(scene, surface, w)
-                if any_lane(lit):
-                    f_cos, _ = evaluate_bsdf(scene, surface, wo, to_local(surface, w), lit)
-                    per_search = 1.0 / (probability * chosen * where(lit, most, 1.0))
-                    factor = path.beta * f_cos * result.found * per_search
-                    lit = lit & (max_component(absolute_vec3(factor)) > 0.0)
-                    factor = where(lit, factor, lanes_vec3(0.0))
-                waiting, repeating = mask_bits(lit), True
-                mine = Trial(search, result.type, w, most, stop, path.sampler)
-            going = waiting != 0
-            if going:
-                # All lanes search for one.
-                put_records(memory, ROOM, 0, lanes_u32(trailing_zeros(waiting)), mine)
-                trial = records_at(memory, ROOM, 0, mine)
-                search, begin = _again(trial, number)
-                seen = at_times_of(scene, trial.sampler)
-        path = gather_light(path, factor * total, looking, lanes_mask(False))
-    return replace(path, rays=rays), covered
+    recorded, find = listeners.find is not None, listeners.find
+
+    @kernel
+    def add_caustics(scene, settings, path, surface, wo, active):
+        depth, rays = path.depth + 1, path.rays
+        shining = surface.light != 0
+        given = active & shining & path.chain.known & (path.chain.type.count > 0)
+        stream = _stream(path)
+        # One more surface and the lamp.
+        looking = active & ~shining & (depth + 1 < settings.max_depth)
+        chance, u = step_numbers(stream, lanes_u32(0))
+        stop, _ = step_numbers(stream, lanes_u32(1))
+        probability = minimum(maximum(max_component(absolute_vec3(path.beta)), LEAST_CHANCE), 1.0)
+        looking = looking & (chance < probability)
+        lamp, chosen = choose_target(scene, u)
+        lamp = where(given, surface.light - 1, lamp)
+        c, radius = sphere_of(scene, lamp)
+        given, looking = given & (radius > 0.0), looking & (radius > 0.0)
+        covered = lanes_mask(False)
+        if any_lane(given | looking):
+            factor, total = lanes_vec3(0.0), lanes(0.0)
+            number, made = lanes_u32(0), lanes(0.0)
+            search = Search(surface, wo, Target(lamp, c, radius), stream, lanes_u32(OWN_PAIRS))
+            begin = Begin(
+                looking, given, lanes_mask(False), path.chain.o, path.chain.d, path.chain.type
+            )
+            trial = Trial(search, path.chain.type, path.chain.d, lanes(0.0), stop, path.sampler)
+            memory = local_records(ROOM, trial)
+            seen, repeating, going, waiting, mine = scene, False, True, 0, trial
+            while going:
+                result = search_lamps(seen, search, begin)
+                rays += result.rays
+                if repeating:
+                    weight = 1.0 / _going_on(number)
+                    bits = mask_bits(_is_taken(trial, search, result))
+                    count = trailing_zeros(bits) + 1 if bits != 0 else LANES
+                    made = made + weight * to_float(lanes_u32(count))
+                    number = number + LANES
+                    if bits != 0 or not any_lane(trial.stop < _going_on(number)):
+                        mine_now = lane_index() == trailing_zeros(waiting)
+                        total = where(mine_now, made, total)
+                        waiting &= waiting - 1
+                        number, made = lanes_u32(0), lanes(0.0)
+                else:
+                    # Of a direction by itself: is it covered?
+                    w = where(given, path.chain.d, result.w)
+                    q, density = place_near(result.second, w)
+                    holds = q <= 1.0
+                    covered = given & holds
+                    # Light from there, if it is and its solution is one that is taken.
+                    most = SLACK * density
+                    _, drawn = place_near(result.first, w)
+                    lit = looking & holds & (drawn > 0.0) & (drawn <= most)
+                    lit = lit & (max_component(result.found) > 0.0)
+                    lit = lit & (depth + result.type.count < settings.max_depth)
+                    lit = lit & ~enters_body(scene, surface, w)
+                    if any_lane(lit):
+                        f_cos, _ = evaluate_bsdf(scene, surface, wo, to_local(surface, w), lit)
+                        per_search = 1.0 / (probability * chosen * where(lit, most, 1.0))
+                        factor = path.beta * f_cos * result.found * per_search
+                        lit = lit & (max_component(absolute_vec3(factor)) > 0.0)
+                        factor = where(lit, factor, lanes_vec3(0.0))
+                    waiting, repeating = mask_bits(lit), True
+                    mine = Trial(search, result.type, w, most, stop, path.sampler)
+                going = waiting != 0
+                if going:
+                    # All lanes search for one.
+                    put_records(memory, ROOM, 0, lanes_u32(trailing_zeros(waiting)), mine)
+                    trial = records_at(memory, ROOM, 0, mine)
+                    search, begin = _again(trial, number)
+                    seen = at_times_of(scene, trial.sampler)
+            light = factor * total
+            path = gather_light(path, light, looking, lanes_mask(False))
+            if recorded:
+                edges = depth + mine.type.count + 1
+                as_hit = replace(path, delta=lanes_mask(True))
+                find(scene, as_hit, lamp + 1, edges, looking & (total > 0.0), light)
+        return replace(path, rays=rays), covered
+
+    return add_caustics

@@ -13,9 +13,12 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from alight.bsdfs.dispatch import sample_bsdf
+from alight.bsdfs.dispatch import is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.core.vec import length, max_component
+from alight.core.frame import frame_from_normal
+from alight.core.maths import exp, log
+from alight.core.vec import length, max_component, normalize
+from alight.core.warps import direction_around_z
 from alight.integrators.body_walk import enters_body
 from alight.integrators.chain_types import MOST_EVENTS
 from alight.integrators.manifold_walk import (
@@ -59,6 +62,9 @@ PAIRS = OWN_PAIRS + MOST_EVENTS + 1
 #: within these bounds.
 LEAST_STEP, MOST_STEP = 1e-4, 1e-2
 
+#: Part of the seeds that go about the lamp and not as the BSDF has it, and how near at least.
+AIMED, LEAST_TURN = 0.5, 1e-7
+
 #: What is looked for, and from where. surface, wo: as of `sample_bsdf`; target: `Target`; stream:
 #: `Stream`; first: u32, the first pair of the search.
 Search = namedtuple("Search", "surface wo target stream first")
@@ -73,15 +79,33 @@ Result = namedtuple("Result", "first second type o w found rays")
 
 
 @kernel
+def _towards(search, u, v):
+    """A direction about that of the target; the logarithm of its distance is uniform."""
+    to = search.target.c - search.surface.p
+    distance = maximum(length(to), 1e-20)
+    axis = to * (1.0 / distance)
+    # 1 - cos, from the edge of the target to the other side of the world.
+    size = minimum(search.target.radius / distance, 1.0)
+    least = maximum(0.5 * size * size, LEAST_TURN)
+    local = direction_around_z(minimum(least * exp(u * log(2.0 / least)), 2.0), v)
+    s, t = frame_from_normal(axis)
+    return normalize(local.x * s + local.y * t + local.z * axis)
+
+
+@kernel
 def _seeds(scene, search, begin):
     """(mask, o, w): where searches start."""
-    choice, x = step_numbers(search.stream, search.first)
-    y, _ = step_numbers(search.stream, search.first + 1)
-    sample = sample_bsdf(scene, search.surface, search.wo, choice, (x, y), begin.seed)
-    w = to_world(search.surface, sample.wi)
     surface = search.surface
+    choice, x = step_numbers(search.stream, search.first)
+    y, way = step_numbers(search.stream, search.first + 1)
+    sample = sample_bsdf(scene, surface, search.wo, choice, (x, y), begin.seed)
+    smooth = (sample.flags & (DELTA | NULL)) == 0
+    aimed = way < AIMED
+    scattered = begin.seed & (
+        (smooth & (sample.pdf > 0.0)) | (aimed & (smooth | is_mixed(scene, surface)))
+    )
+    w = where(aimed, _towards(search, x, y), to_world(surface, sample.wi))
     o = spawn_origin(surface.p, surface.error, surface.ng, w)
-    scattered = begin.seed & ((sample.flags & (DELTA | NULL)) == 0) & (sample.pdf > 0.0)
     scattered = scattered & ~enters_body(scene, surface, w)
     return (
         scattered | begin.given, where(begin.given, begin.o, o), where(begin.given, begin.w, w),
@@ -109,9 +133,7 @@ def search_lamps(scene, search, begin):
         u = walker.u + where(trying, walker.share * walker.du, where(at_u, h, 0.0))
         v = walker.v + where(trying, walker.share * walker.dv, where(at_v, h, 0.0))
         w = direction_at(walker, u, v)
-        plan = Plan(
-            type, stage == SEED, stage == HIT, search.stream, search.first + OWN_PAIRS
-        )
+        plan = Plan(type, stage == SEED, stage == HIT, search.stream, search.first + OWN_PAIRS)
         seen = follow(scene, o, w, target, plan, stage != ENDED)
         rays += seen.rays
         fine, going = seen.fine, lanes_mask(False)
@@ -145,7 +167,8 @@ def search_lamps(scene, search, begin):
         walker = replace(
             walker, by_u=where(updates, by_u, walker.by_u), by_v=where(updates, by_v, walker.by_v),
             u=where(took, u, walker.u), v=where(took, v, walker.v),
-            miss=where(took, seen.miss, walker.miss), tries=where(trying, walker.tries + 1.0, walker.tries),
+            miss=where(took, seen.miss, walker.miss),
+            tries=walker.tries + where(trying, lanes(1.0), 0.0),
             share=where(took, minimum(2.0 * walker.share, 1.0), 0.5 * walker.share),
         )  # fmt: skip
         walker = replace(walker, share=where(trying, walker.share, 1.0))

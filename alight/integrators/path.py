@@ -45,7 +45,9 @@ sampling techniques, SIGGRAPH 1995; PBR4 sections 13.4 and 14.1.4.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import model_validator
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
@@ -54,6 +56,7 @@ from alight.bsdfs.switch import absorbs, has_null, transmittance
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
+from alight.core.spec import invalid
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
 from alight.integrators.chain_types import follows_chains
@@ -68,10 +71,15 @@ from alight.integrators.guided import (
     write_guided_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
-from alight.integrators.manifold_sampling import add_caustics
+from alight.integrators.manifold_sampling import write_add_caustics
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
-from alight.integrators.reach import drawn_by_bsdf, write_reach_environment, write_reach_lamp
+from alight.integrators.reach import (
+    drawn_by_bsdf,
+    write_is_from_camera,
+    write_reach_environment,
+    write_reach_lamp,
+)
 from alight.integrators.roulette import write_end_dim_paths
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.specular_chain import extended
@@ -110,9 +118,8 @@ class Path(PathTracing):
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
     caustics : {"paths", "manifold"}, default "paths"
-        How the light of lamps is found behind mirrors and clear glass: by paths that happen to hit
-        them, or also by manifold sampling (`alight.integrators.manifold_sampling`), which pays
-        where lamps are small.
+        How lamps are found behind mirrors and clear glass: by paths that happen to hit them, or
+        also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
     """
 
     walks_inside: ClassVar[bool] = True
@@ -125,6 +132,12 @@ class Path(PathTracing):
     def aims_at_lamps(self) -> bool:
         """As `caustics` says."""
         return self.caustics == "manifold"
+
+    @model_validator(mode="after")
+    def _one_way_to_lamps(self) -> Self:
+        if self.aims_at_lamps and self.wants_guide:
+            raise invalid("caustics: manifold has no guide: take guiding: off or caustics: paths")
+        return self
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
@@ -207,7 +220,7 @@ def _write_trace(program, bsdf_weight, listeners):
     hides = program.option("hide_emitters", False)
     unguided = drawn_by_bsdf if is_guided(program) else None
     reach_environment = write_reach_environment(bsdf_weight, listeners, unguided)
-    is_from_camera = _write_is_from_camera(program)
+    is_from_camera = write_is_from_camera(program)
 
     @kernel
     def trace(scene, settings, path):
@@ -235,10 +248,11 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
-    hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
+    hides, is_from_camera = program.option("hide_emitters", False), write_is_from_camera(program)
     absorbing = absorbs(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = write_end_dim_paths(program, guided)
+    add_caustics = write_add_caustics(listeners)
 
     @kernel
     def shade(scene, settings, path, hit):
@@ -259,15 +273,13 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
             hidden = active & is_from_camera(path) & (surface.light != 0)
             active = active & ~hidden
 
-        # Caustics of small lamps; what they count of the light that the ray hit is not gathered.
-        gathering = active
+        covered = lanes_mask(False)  # Lamps that count already, as caustics.
         if chains:
             path, covered = add_caustics(scene, settings, path, surface, wo, active)
-            gathering = active & ~covered
 
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
-            path = reach_lamp(scene, path, hit, surface, gathering)
+            path = reach_lamp(scene, path, hit, surface, active & ~covered)
 
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
@@ -305,21 +317,6 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         return vertex, begin_walks(scene, vertex, surface, active)
 
     return shade
-
-
-def _write_is_from_camera(program):
-    """``path -> mask``: whether nothing but holes lies between the camera and the ray."""
-    holes = has_null(program)
-
-    @kernel
-    def is_from_camera(path):
-        first = path.depth == 0
-        if holes:
-            # Paths begin like this, and a hole leaves both; a delta lobe has a probability.
-            first = path.delta & (path.pdf == 0.0)
-        return first
-
-    return is_from_camera
 
 
 def _write_guided_scatter(roulette):

@@ -52,9 +52,7 @@ def extended(scene, chain, surface, o, d, flags):
     smooth = (flags & (DELTA | NULL)) == 0
     turned = ((flags & NULL) == 0) & is_one_model(scene, surface)
     type = with_event(chain.type, flags & EVENT_MASK)
-    longer = Chain(
-        chain.o, chain.d, type, chain.known & turned & (type.count <= MOST_EVENTS)
-    )
+    longer = Chain(chain.o, chain.d, type, chain.known & turned & (type.count <= MOST_EVENTS))
     none = lanes_u32(0)
     outside = ~enters_body(scene, surface, d)
     # Lamps themselves are no places from which chains are looked for.

@@ -11,7 +11,7 @@ from alight.core.distributions import sample_discrete
 from alight.core.vec import Vec3
 from alight.lights.tables import INFO
 from lanewise.jit import kernel
-from lanewise.simd import gather, gather_row
+from lanewise.simd import gather_row
 
 #: Numbers of a sphere.
 SPHERE = 4
