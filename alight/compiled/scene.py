@@ -150,7 +150,7 @@ def compile_scene(
         choice,
         compensated=flat.integrator.combines,
         emits="always" if emits or flat.integrator.splats else own,
-        aims=flat.integrator.aims_at_lamps,
+        aims=dict(flat.integrator).get("caustics") == "manifold",
         kept=kept,
     )
     tables = SceneTables(

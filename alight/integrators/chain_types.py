@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+from alight.bsdfs import dirac
+from alight.bsdfs.flags import DELTA_AND_SMOOTH
+from alight.bsdfs.switch import models_of
 from alight.lights.hits import on_shapes
 from lanewise.jit import kernel
 from lanewise.simd import lanes_mask, lanes_u32, lanes_vec3
@@ -21,9 +24,15 @@ Type = namedtuple("Type", "events count")
 Chain = namedtuple("Chain", "o d type known")
 
 
+def has_chains(program) -> bool:
+    """Whether a program has mirrors or clear glass, and lamps that rays hit."""
+    clear = any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models_of(program))
+    return bool(on_shapes(program)) and (clear or DELTA_AND_SMOOTH in program.bsdfs)
+
+
 def follows_chains(program) -> bool:
     """Whether caustics are looked for in a program."""
-    return program.option("caustics", "paths") == "manifold" and bool(on_shapes(program))
+    return program.option("caustics", "paths") == "manifold" and has_chains(program)
 
 
 @kernel

@@ -73,9 +73,9 @@ Search = namedtuple("Search", "surface wo target stream first")
 #: of those that are given; type: `Type`, of those that are given, and asked for `once`.
 Begin = namedtuple("Begin", "seed given once o w type")
 
-#: What it has found. first, second: `Solution`; type; o, w: Vec3, the ray that was drawn; found:
+#: What it has found. first, second: `Solution`; type; w: Vec3, the direction that was drawn; found:
 #: Vec3, as of `Followed`; rays.
-Result = namedtuple("Result", "first second type o w found rays")
+Result = namedtuple("Result", "first second type w found rays")
 
 
 @kernel
@@ -196,4 +196,4 @@ def search_lamps(scene, search, begin):
         next_stage = where(draws, lanes_u32(HIT), next_stage)
         late = late | hits
         stage = where(stage == ENDED, stage, next_stage)
-    return Result(first, second, type, o, drawn, found, rays)
+    return Result(first=first, second=second, type=type, w=drawn, found=found, rays=rays)

@@ -27,7 +27,8 @@ from alight.core.frame import frame_from_normal
 from alight.core.vec import dot, length, normalize
 from alight.core.warps import square_to_disk_concentric
 from lanewise.jit import kernel
-from lanewise.simd import lanes, lanes_mask, lanes_vec3, maximum, minimum, sqrt, where
+from lanewise.records import replace
+from lanewise.simd import lanes, lanes_vec3, maximum, minimum, sqrt, where
 
 #: A walk has arrived where the last ray passes the lamp's middle by so many radii.
 NEAR = 1.0
@@ -58,7 +59,10 @@ Solution = namedtuple("Solution", "w a b c density")
 def no_walker():
     """Walks that have not begun."""
     zero, none = lanes(0.0), lanes_vec3(0.0)
-    return Walker(lanes_vec3(1.0), zero, zero, none, none, none, zero, zero, zero, zero)
+    return Walker(
+        middle=lanes_vec3(1.0), u=zero, v=zero, miss=none, by_u=none, by_v=none, du=zero, dv=zero,
+        share=lanes(1.0), tries=zero,
+    )  # fmt: skip
 
 
 @kernel
@@ -71,11 +75,7 @@ def no_solution():
 @kernel
 def starting_at(w, miss):
     """A walk at the direction w."""
-    begun = no_walker()
-    return Walker(
-        w, begun.u, begun.v, miss, begun.by_u, begun.by_v, begun.du, begun.dv, lanes(1.0),
-        begun.tries,
-    )  # fmt: skip
+    return replace(no_walker(), middle=w, miss=miss)
 
 
 @kernel
@@ -166,9 +166,3 @@ def is_nearer(walker, miss):
 def is_near(miss):
     """Mask: near enough."""
     return length(miss) <= NEAR
-
-
-@kernel
-def nowhere():
-    """No lane."""
-    return lanes_mask(False)

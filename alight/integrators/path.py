@@ -128,20 +128,15 @@ class Path(PathTracing):
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
     caustics: Annotated[Literal["paths", "manifold"], NoiseOnly()] = "paths"
 
-    @property
-    def aims_at_lamps(self) -> bool:
-        """As `caustics` says."""
-        return self.caustics == "manifold"
-
     @model_validator(mode="after")
     def _one_way_to_lamps(self) -> Self:
-        if self.aims_at_lamps and self.wants_guide:
+        if self.caustics == "manifold" and self.wants_guide:
             raise invalid("caustics: manifold has no guide: take guiding: off or caustics: paths")
         return self
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
-        if self.light_sampling != "mis" or self.wants_guide or self.aims_at_lamps:
+        if self.light_sampling != "mis" or self.wants_guide or self.caustics != "paths":
             return None
         share = 0.5 if self.heuristic == "power" else 1.0
         return largest_of_paths(self, share, radiance, weight, start)
@@ -151,10 +146,9 @@ EXAMPLES = (
     Path(),
     Path(max_depth=8, rr_depth=5),
     Path(light_sampling="bsdf", russian_roulette="none", max_depth=4),
-    Path(light_sampling="emitter", light_choice="uniform"),
+    Path(light_sampling="emitter", light_choice="uniform", caustics="manifold"),
     Path(heuristic="balance", rr_depth=1),
     Path(hide_emitters=True, guiding="on"),
-    Path(caustics="manifold"),
 )
 
 
