@@ -146,7 +146,7 @@ EXAMPLES = (
     Path(),
     Path(max_depth=8, rr_depth=5),
     Path(light_sampling="bsdf", russian_roulette="none", max_depth=4),
-    Path(light_sampling="emitter", light_choice="uniform", caustics="manifold"),
+    Path(light_sampling="emitter", light_choice="uniform"),
     Path(heuristic="balance", rr_depth=1),
     Path(hide_emitters=True, guiding="on"),
 )
