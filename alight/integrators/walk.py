@@ -42,7 +42,10 @@ from lanewise.simd import (
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
 #: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
-#: chain : `alight.integrators.specular_chain.Chain` where caustics are looked for, else empty.
+#: chain : `alight.integrators.chain_types.Chain` where caustics are looked for, else empty.
+#:
+#: Paths from lights keep other things in three of them: L_direct, absorption per metre; pdf, the
+#: brightness that they began with; delta, see `alight.integrators.light_subpath`.
 PathState = namedtuple(
     "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided chain"
 )

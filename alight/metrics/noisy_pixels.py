@@ -1,9 +1,9 @@
-r"""How bright noisy pixels really are: learnt from the replicates, pooled over pixels alike.
+r"""True brightness of noisy pixels, estimated from replicates pooled over similar pixels.
 
 A pixel's squared error is estimated by one half of its replicates, A, and has to be divided by its
 brightness squared. The other half, B, tells the brightness without a share in that error; but where
 a pixel is mostly noise, B often holds no bright sample at all, and the quotient is off by orders of
-magnitude. Then many pixels have to tell together. Let q be the brightness of the pixels around,
+magnitude. Then many pixels must be pooled. Let q be the brightness of the pixels around,
 :math:`\rho = \mu / q` what is sought, and r = s / q^2 the squared error by A. Over a class of
 pixels that look alike to A, with replicates k and l of B,
 
