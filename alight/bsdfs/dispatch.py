@@ -227,3 +227,19 @@ def _is_mixed(scene, surface):
 @kernel
 def _never_mixed(scene, surface):
     return lanes_mask(False)
+
+
+@specialised
+def is_one_model(program):
+    """``(scene, surface) -> mask``: the material is no sum of several models."""
+    return _is_one_model if LAYERED_NAME in program.bsdfs else _always_one
+
+
+@kernel
+def _is_one_model(scene, surface):
+    return _count(scene, surface) == 1
+
+
+@kernel
+def _always_one(scene, surface):
+    return lanes_mask(True)

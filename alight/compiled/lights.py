@@ -10,6 +10,7 @@ import numpy as np
 from alight.compiled.kept import Kept
 from alight.compiled.light_emission import Emits, emitting
 from alight.compiled.light_gain import gain_of_tree
+from alight.compiled.light_targets import targets
 from alight.compiled.light_tree import (
     Choosing,
     LightRow,
@@ -82,6 +83,7 @@ def compile_lights(
     *,
     compensated: bool = False,
     emits: Emits = "never",
+    aims: bool = False,
     kept: Kept | None = None,
 ) -> CompiledLights:
     """Make the tables of all lights, and enter area lights into the tables of shapes.
@@ -101,6 +103,8 @@ def compile_lights(
     emits : {"never", "if possible", "always"}, default "never"
         Whether light paths start at the lights, which takes the tables of
         `alight.lights.emission_sampling`.
+    aims : bool, default False
+        Whether paths aim at lamps, which takes the tables of `alight.lights.targets`.
     kept : Kept, optional
         Of the compilation before: maps of environments are taken from there.
 
@@ -139,7 +143,10 @@ def compile_lights(
             info[i, 1], info[i, 3] = sum(m.size for m in maps), sum(t.size for t in tables)
             maps.append(made.table)
             tables.append(made.cdf)
-    all_tables = LightTables(View(info), View(data), View(np.concatenate(tables)), _joined(maps))
+    aimed_at = targets(rows, powers, shapes) if aims else np.zeros(0, np.float32)
+    all_tables = LightTables(
+        View(info), View(data), View(np.concatenate(tables)), _joined(maps), View(aimed_at)
+    )
     return CompiledLights(
         all_tables if emits == "never" else emitting(all_tables, rows, powers, shapes, emits),
         _names(rows),

@@ -159,6 +159,7 @@ def compile_scene(
         choice,
         compensated=flat.integrator.combines,
         emits="always" if emits or flat.integrator.splats else own,
+        aims=dict(flat.integrator).get("caustics") == "manifold",
         kept=kept,
     )
     tables = SceneTables(

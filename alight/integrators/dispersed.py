@@ -12,7 +12,7 @@ from alight.core.wavelengths import DISPERSIVE, wavelength_at, weights_at
 from alight.samplers.sampling import get_1d
 from lanewise.jit import kernel, specialised
 from lanewise.records import replace
-from lanewise.simd import any_lane, where
+from lanewise.simd import any_lane, lanes_mask, where
 
 #: Dimension of the wavelength, see `alight.integrators.walk`.
 WAVELENGTH = 6
@@ -35,6 +35,22 @@ def _at_wavelength(surface, sampler):
 
 
 @specialised
+def spreads(program):
+    """``(scene, surface) -> mask``: the material, or a part of it, disperses light."""
+    return _spreads if DISPERSIVE in program.bsdfs else _never
+
+
+@kernel
+def _spreads(scene, surface):
+    return (material_flags(scene, surface.bsdf) & SPREADS) != 0
+
+
+@kernel
+def _never(scene, surface):
+    return lanes_mask(False)
+
+
+@specialised
 def meet_dispersion(program):
     """``(scene, surface, path, active) -> path``: paths that are about to be dispersed."""
     return _become_monochromatic if DISPERSIVE in program.bsdfs else _keep_colors
@@ -47,7 +63,7 @@ def _keep_colors(scene, surface, path, active):
 
 @kernel
 def _become_monochromatic(scene, surface, path, active):
-    first = active & ~path.monochromatic & ((material_flags(scene, surface.bsdf) & SPREADS) != 0)
+    first = active & ~path.monochromatic & _spreads(scene, surface)
     if any_lane(first):
         weights = weights_at(get_1d(path.sampler, WAVELENGTH))
         beta = where(first, path.beta * weights, path.beta)

@@ -45,17 +45,21 @@ sampling techniques, SIGGRAPH 1995; PBR4 sections 13.4 and 14.1.4.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import model_validator
 
 from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.switch import concentration, has_null, refracts
+from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
+from alight.core.spec import invalid
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.chain_types import follows_chains
 from alight.integrators.dispersed import at_wavelength_of, meet_dispersion
 from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed, left_along
 from alight.integrators.guided import (
@@ -69,11 +73,18 @@ from alight.integrators.guided import (
     write_guided_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
+from alight.integrators.manifold_sampling import write_add_caustics
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
-from alight.integrators.reach import drawn_by_bsdf, write_reach_environment, write_reach_lamp
-from alight.integrators.roulette import play_beside_guide, play_roulette
+from alight.integrators.reach import (
+    drawn_by_bsdf,
+    write_is_from_camera,
+    write_reach_environment,
+    write_reach_lamp,
+)
+from alight.integrators.roulette import write_end_dim_paths
 from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.specular_chain import extended
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -108,6 +119,9 @@ class Path(PathTracing):
     ----------
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
+    caustics : {"paths", "manifold"}, default "paths"
+        How lamps are found behind mirrors and clear glass: by paths that happen to hit them, or
+        also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
     """
 
     walks_inside: ClassVar[bool] = True
@@ -115,10 +129,17 @@ class Path(PathTracing):
     transports: ClassVar[bool] = True
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
+    caustics: Annotated[Literal["paths", "manifold"], NoiseOnly()] = "paths"
+
+    @model_validator(mode="after")
+    def _one_way_to_lamps(self) -> Self:
+        if self.caustics == "manifold" and self.wants_guide:
+            raise invalid("caustics: manifold has no guide: take guiding: off or caustics: paths")
+        return self
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
-        if self.light_sampling != "mis" or self.wants_guide:
+        if self.light_sampling != "mis" or self.wants_guide or self.caustics != "paths":
             return None
         share = 0.5 if self.heuristic == "power" else 1.0
         return largest_of_paths(self, share, radiance, weight, start)
@@ -196,7 +217,7 @@ def _write_trace(program, bsdf_weight, listeners):
     hides = program.option("hide_emitters", False)
     unguided = drawn_by_bsdf if is_guided(program) else None
     reach_environment = write_reach_environment(bsdf_weight, listeners, unguided)
-    is_from_camera = _write_is_from_camera(program)
+    is_from_camera = write_is_from_camera(program)
 
     @kernel
     def trace(scene, settings, path):
@@ -221,13 +242,14 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
-    guided = is_guided(program)
+    guided, chains = is_guided(program), follows_chains(program)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
-    hides, is_from_camera = program.option("hide_emitters", False), _write_is_from_camera(program)
+    hides, is_from_camera = program.option("hide_emitters", False), write_is_from_camera(program)
     next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
-    end_dim_paths = _write_end_dim_paths(program)
+    end_dim_paths = write_end_dim_paths(program, guided)
+    add_caustics = write_add_caustics(listeners)
 
     @kernel
     def shade(scene, settings, path, hit):
@@ -246,9 +268,13 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         # Dimmed by the body that the ray crossed.
         path = come_to(scene, path, surface, hit.t, active, active | hidden)
 
+        covered = lanes_mask(False)  # Lamps that count already, as caustics.
+        if chains:
+            path, covered = add_caustics(scene, settings, path, surface, wo, active)
+
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
-            path = reach_lamp(scene, path, hit, surface, active)
+            path = reach_lamp(scene, path, hit, surface, active & ~covered)
 
         # The longest path ends here: one more edge would exceed max_depth.
         active = active & (depth < settings.max_depth)
@@ -272,6 +298,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         o = spawn_origin(surface.p, surface.error, surface.ng, d)
         on = replace(path, o=o, d=d, beta=beta, depth=depth, active=active, unguided=unguided)
         on = replace(on, bodies=bodies_beyond(scene, path.bodies, surface, path.d, d))
+        if chains:
+            on = replace(on, chain=extended(scene, path.chain, surface, o, d, flags))
         if roulette:
             on = end_dim_paths(scene, settings, on, surface, wi, brightness, here)
         vertex = replace(on, p=surface.p, pdf=pdf, delta=(flags & DELTA) != 0)
@@ -285,38 +313,6 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
         return vertex, begin_walks(scene, vertex, surface, active)
 
     return shade
-
-
-def _write_is_from_camera(program):
-    """``path -> mask``: whether nothing but holes lies between the camera and the ray."""
-    holes = has_null(program)
-
-    @kernel
-    def is_from_camera(path):
-        first = path.depth == 0
-        if holes:
-            # Paths begin like this, and a hole leaves both; a delta lobe has a probability.
-            first = path.delta & (path.pdf == 0.0)
-        return first
-
-    return is_from_camera
-
-
-def _write_end_dim_paths(program):
-    """Roulette by throughput, of ``(scene, settings, path, surface, wi, brightness, here)``."""
-    refracting, guided = refracts(program), is_guided(program)
-
-    @kernel
-    def end_dim_paths(scene, settings, path, surface, wi, brightness, here):
-        if refracting:
-            # A path in glass is not dim: it regains on the way out what it lost on the way in.
-            brightness = brightness * concentration(scene, surface, wi)
-        dimension = vertex_dimension(path.depth)
-        if guided:
-            return play_beside_guide(settings, path, dimension, brightness, here.gain)
-        return play_roulette(settings, path, dimension, brightness)
-
-    return end_dim_paths
 
 
 def _write_guided_scatter(roulette):

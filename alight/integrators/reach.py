@@ -7,6 +7,7 @@ In multiple importance sampling this is the technique of the BSDF; the factories
 
 from __future__ import annotations
 
+from alight.bsdfs.switch import has_null
 from alight.core.vec import length
 from alight.integrators.walk import gather_light, gather_unguided
 from alight.lights.hits import emitted, light_pdf
@@ -84,3 +85,18 @@ def _write_reach_unguided(bsdf_weight, unguided):
         return gather_unguided(path, path.beta * Le * w, mask)
 
     return reach_unguided
+
+
+def write_is_from_camera(program):
+    """``path -> mask``: whether nothing but holes lies between the camera and the ray."""
+    holes = has_null(program)
+
+    @kernel
+    def is_from_camera(path):
+        first = path.depth == 0
+        if holes:
+            # Paths begin like this, and a hole leaves both; a delta lobe has a probability.
+            first = path.delta & (path.pdf == 0.0)
+        return first
+
+    return is_from_camera

@@ -7,7 +7,8 @@ Source: Arvo and Kirk, Particle transport and image synthesis, SIGGRAPH 1990.
 
 from __future__ import annotations
 
-from alight.integrators.walk import ROULETTE
+from alight.bsdfs.switch import concentration, refracts
+from alight.integrators.walk import ROULETTE, vertex_dimension
 from alight.samplers.sampling import get_1d
 from lanewise.jit import kernel
 from lanewise.records import replace
@@ -64,3 +65,20 @@ def play_beside_guide(settings, path, dimension, brightness, gain):
 def _survival(settings, path, brightness):
     """With which probability `play_roulette` lets paths go on."""
     return where(path.depth >= settings.rr_depth, minimum(brightness, MAX_SURVIVAL), 1.0)
+
+
+def write_end_dim_paths(program, guided):
+    """Roulette by throughput, of ``(scene, settings, path, surface, wi, brightness, here)``."""
+    refracting = refracts(program)
+
+    @kernel
+    def end_dim_paths(scene, settings, path, surface, wi, brightness, here):
+        if refracting:
+            # A path in glass is not dim: it regains on the way out what it lost on the way in.
+            brightness = brightness * concentration(scene, surface, wi)
+        dimension = vertex_dimension(path.depth)
+        if guided:
+            return play_beside_guide(settings, path, dimension, brightness, here.gain)
+        return play_roulette(settings, path, dimension, brightness)
+
+    return end_dim_paths

@@ -53,7 +53,7 @@ def empty_paths():
         o=path.o, d=path.d, p=path.p, L=path.L, L_direct=path.L_direct, beta=path.beta,
         pdf=path.pdf, delta=path.delta, depth=path.depth, sampler=path.sampler,
         active=path.active, rays=path.rays, unguided=path.unguided, bodies=path.bodies,
-        monochromatic=path.monochromatic, medium=zero, channel=zero, steps=zero,
+        monochromatic=path.monochromatic, chain=path.chain, medium=zero, channel=zero, steps=zero,
         ours=lanes_vec3(1.0), lights=lanes_vec3(0.0),
     )  # fmt: skip
 

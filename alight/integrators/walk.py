@@ -17,6 +17,7 @@ from alight.core.vec import Vec3, dot, luminance, normalize
 from alight.core.wavelengths import DISPERSIVE
 from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
+from alight.integrators.chain_types import follows_chains, no_chain
 from alight.integrators.enclosing import no_bodies
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
@@ -45,13 +46,14 @@ from lanewise.simd import (
 #: rays : uniform whole number, rays traced by all lanes so far;
 #: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
 #: bodies : `alight.integrators.enclosing.Bodies` where bodies absorb light, else empty;
-#: monochromatic : mask, `beta` is that of one wavelength, where materials disperse light, else ().
+#: monochromatic : mask, `beta` is that of one wavelength, where materials disperse light, else ();
+#: chain : `alight.integrators.chain_types.Chain` where caustics are looked for, else empty.
 #:
 #: Paths from lights keep other things in two of them: pdf, the brightness that they began with;
 #: delta, see `alight.integrators.light_subpath`.
 PathState = namedtuple(
     "PathState",
-    "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies monochromatic",
+    "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies monochromatic chain",
 )
 
 #: Uniform numbers of a render: max_depth, rr_depth, seed and replicates (whole), distance (float32,
@@ -115,6 +117,7 @@ def no_paths():
         delta=lanes_mask(False), depth=zero,
         sampler=SamplerState(x=zero, y=zero, index=zero, scramble=zero, seed=zero, a=zero, b=zero),
         active=lanes_mask(False), rays=as_int(0), unguided=(), bodies=(), monochromatic=(),
+        chain=(),
     )  # fmt: skip
 
 
@@ -149,6 +152,8 @@ def empty_paths(program):
         own = _empty_paths_in_bodies(own)
     if DISPERSIVE in program.bsdfs:
         own = _with_empty_mask(own)
+    if follows_chains(program):
+        own = _empty_with_chains(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -157,6 +162,14 @@ def empty_paths(program):
         return replace(own(), unguided=begin_unguided())
 
     return empty_guided_paths
+
+
+def _empty_with_chains(own):
+    @kernel
+    def empty_paths_with_chains():
+        return replace(own(), chain=no_chain())
+
+    return empty_paths_with_chains
 
 
 @specialised
@@ -171,6 +184,8 @@ def start_paths(program):
         own = _start_paths_outside(own)
     if DISPERSIVE in program.bsdfs:
         own = _with_mask(own)
+    if follows_chains(program):
+        own = _start_with_chains(own)
     if not program.option(GUIDED, False):
         return own
 
@@ -222,6 +237,15 @@ def _with_mask(own):
         return replace(path, monochromatic=path.monochromatic & ~new)
 
     return start_paths_of_all_wavelengths
+
+
+def _start_with_chains(own):
+    @kernel
+    def start_paths_with_chains(new, o, d, weight, sampler, path):
+        path = own(new, o, d, weight, sampler, path)
+        return replace(path, chain=where(new, no_chain(), path.chain))
+
+    return start_paths_with_chains
 
 
 @kernel(strict=True)

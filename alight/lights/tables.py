@@ -11,9 +11,9 @@ from lanewise.simd import lanes, lanes_mask, lanes_u32, lanes_vec3
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
 #: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
 #: of the environments' maps (see `alight.core.distributions`); map: the environments', see
-#: `alight.lights.environment_map`.
+#: `alight.lights.environment_map`; targets: see `alight.lights.targets`, empty where nobody aims.
 #: Environments are the last lights.
-LightTables = namedtuple("LightTables", "info data cdf map")
+LightTables = namedtuple("LightTables", "info data cdf map targets")
 
 #: The same of scenes whose lights emit paths. emission: middle and radius of the scene's ball, the
 #: choice of a light by its power, then tables of single lights; starts: where those begin, one word

@@ -23,10 +23,11 @@ from lanewise.jit import instantiate
 
 FAMILIES = ("bsdfs", "lights", "integrators", "media", "phases", "textures", "cameras", "filters")
 
-#: Fields whose claim is tested by pictures: tests/lights, tests/guiding and
+#: Fields whose claim is tested by pictures: tests/lights, tests/guiding, tests/estimators and
 #: `alight.laws.integrators`.
 BY_PICTURES = {
-    "light_sampling", "light_choice", "heuristic", "russian_roulette", "rr_depth", "guiding"
+    "light_sampling", "light_choice", "heuristic", "russian_roulette", "rr_depth", "guiding",
+    "caustics",
 }  # fmt: skip
 
 N = 512

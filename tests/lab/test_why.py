@@ -258,6 +258,7 @@ def test_alternatives_are_the_other_choices():
     assert set(found) == {
         "integrator.light_sampling=bsdf",
         "integrator.light_sampling=emitter",
+        "integrator.caustics=manifold",
         "integrator.heuristic=balance",
         "integrator.russian_roulette=none",
         "integrator.light_choice=uniform",

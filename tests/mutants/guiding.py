@@ -200,8 +200,8 @@ GUIDING = (
         "integrators/path.py",
         (
             (
-                'if self.light_sampling != "mis" or self.wants_guide:',
-                'if self.light_sampling != "mis":',
+                'self.light_sampling != "mis" or self.wants_guide or self',
+                'self.light_sampling != "mis" or self',
             ),
         ),
         f"{RENDERS}::test_bounds_of_samples_are_not_claimed",

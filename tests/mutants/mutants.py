@@ -20,6 +20,7 @@ from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
+from tests.mutants.manifolds import MANIFOLDS
 from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.mattes import MATTES
 from tests.mutants.media import MEDIA
@@ -69,6 +70,7 @@ MUTANTS = (
     + COMPILER
     + LAWS
     + WAVES
+    + MANIFOLDS
     + GUIDING
     + TRAINING
     + FORMATS

@@ -42,7 +42,7 @@ OBJECTS = (
     ),
     Mutant(
         "the sky seen through holes of a picture without background",
-        "integrators/path.py",
+        "integrators/reach.py",
         (("first = path.delta & (path.pdf == 0.0)", "first = path.depth == 0"),),
         f"{AOVS}::test_a_transparent_background_shows_no_light_and_hides_it_from_alpha",
     ),

@@ -19,6 +19,7 @@ import numpy as np
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Spec
+from alight.integrators.chain_types import has_chains
 from alight.integrators.contributions import BY_LIGHT
 from alight.lab.statistics import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
@@ -99,6 +100,9 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
     if program.single_light:
         # Nothing to choose from.
         found = {key: other for key, other in found.items() if ".light_choice=" not in key}
+    if not has_chains(program):
+        # Nothing to look through.
+        found.pop("integrator.caustics=manifold", None)
     order = sorted(found, key=lambda key: key.split(".")[1].split("=")[0] not in first)
     return {key: found[key] for key in order}
 

@@ -1,0 +1,43 @@
+"""The tables of `alight.lights.targets`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from alight.compiled.light_tree import LightRow, by_power, find_leaves
+from alight.compiled.shapes import CompiledShapes
+from alight.lights.targets import SPHERE
+
+
+def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) -> np.ndarray:
+    """The choice of a light on a shape, and the spheres around them; none without such lights.
+
+    Parameters
+    ----------
+    rows : list of LightRow
+        One a light.
+    powers : (n,) float64, W
+    shapes : CompiledShapes
+
+    Returns
+    -------
+    (n + 1 + 4 n,) float32
+    """
+    placed = np.array([row.shape >= 0 for row in rows], bool)
+    powers = np.where(placed, powers, 0.0)
+    leaves, spheres = find_leaves(rows, powers, shapes), np.zeros((len(rows), SPHERE))
+    for number in np.flatnonzero(powers > 0.0):
+        mine = leaves.row == number
+        if mine.any():
+            low, high = leaves.low[mine].min(axis=0), leaves.high[mine].max(axis=0)
+            spheres[number] = *(0.5 * (low + high)), _radius(0.5 * (high - low))
+    powers = np.where(spheres[:, 3] > 0.0, powers, 0.0)
+    if not placed.any():
+        return np.zeros(0, np.float32)
+    return np.concatenate([by_power(powers), spheres.ravel()]).astype(np.float32)
+
+
+def _radius(half: np.ndarray) -> float:
+    """Of a sphere around a box of half these sizes; what is as deep as wide is taken for a ball."""
+    round_ = half.min() > 0.9 * half.max()
+    return float(half.max() if round_ else np.linalg.norm(half))

@@ -1,0 +1,48 @@
+"""What a path knows of the mirrors and the clear glass that it has met."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from alight.bsdfs import dirac
+from alight.bsdfs.flags import DELTA_AND_SMOOTH
+from alight.bsdfs.switch import models_of
+from alight.lights.hits import on_shapes
+from lanewise.jit import kernel
+from lanewise.simd import lanes_mask, lanes_u32, lanes_vec3
+
+#: Longest chain that is looked for: a glass ball in another one has four surfaces.
+MOST_EVENTS = 6
+#: Bits of `Type.events` an event, which is `REFLECTION` or `TRANSMISSION`.
+EVENT_BITS, EVENT_MASK = 2, 3
+
+#: What a chain does at its surfaces, u32 each; the first event is in the lowest bits.
+Type = namedtuple("Type", "events count")
+
+#: The chain that a path has followed since it was last scattered. o, d: Vec3, its first ray; type:
+#: `Type`; known: mask, there is such a place, and such a type.
+Chain = namedtuple("Chain", "o d type known")
+
+
+def has_chains(program) -> bool:
+    """Whether a program has mirrors or clear glass, and lamps that rays hit."""
+    clear = any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models_of(program))
+    return bool(on_shapes(program)) and (clear or DELTA_AND_SMOOTH in program.bsdfs)
+
+
+def follows_chains(program) -> bool:
+    """Whether caustics are looked for in a program."""
+    return program.option("caustics", "paths") == "manifold" and has_chains(program)
+
+
+@kernel
+def no_chain():
+    """Before a path is scattered for the first time."""
+    black, none = lanes_vec3(0.0), lanes_u32(0)
+    return Chain(black, black, Type(none, none), lanes_mask(False))
+
+
+@kernel
+def with_event(type, kind):
+    """The type with one more event."""
+    return Type(type.events | (kind << (EVENT_BITS * type.count)), type.count + 1)

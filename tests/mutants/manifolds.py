@@ -1,0 +1,54 @@
+"""Bugs of manifold sampling: what is counted, and how often."""
+
+from tests.mutants.mutant import Mutant
+
+TESTS = "tests/estimators/test_caustics.py"
+SAME = f"{TESTS}::test_caustics_are_those_that_paths_find"
+WATER, PANE = (
+    f"{TESTS}::test_a_small_lamp_lights_the_ground[{name}]" for name in ("water", "pane")
+)
+
+MANIFOLDS = (
+    Mutant(
+        "caustics that paths find once more",
+        "integrators/path.py",
+        (("surface, active & ~covered)", "surface, active)"),),
+        SAME,
+    ),
+    Mutant(
+        "one over the density of a caustic taken for one",
+        "integrators/manifold_sampling.py",
+        (("made = made + weight * to_float(lanes_u32(count))", "made = lanes(1.0)"),),
+        WATER,
+    ),
+    Mutant(
+        "directions near a solution 2 % too dense",
+        "integrators/manifold_walk.py",
+        (("INV_PI / (MARGIN * MARGIN)", "1.02 * INV_PI / (MARGIN * MARGIN)"),),
+        WATER,
+    ),
+    Mutant(
+        "repeated searches that end at chains of another type",
+        "integrators/manifold_search.py",
+        (("begun = (starts & wanted)", "begun = starts"),),
+        PANE,
+    ),
+    Mutant(
+        "lamps of caustics chosen as if there was one",
+        "integrators/manifold_sampling.py",
+        (("(probability * chosen * where", "(probability * where"),),
+        SAME,
+    ),
+    Mutant(
+        "repeated searches with the random numbers of the first",
+        "integrators/manifold_sampling.py",
+        (("(number + lane_index() + 1) * PAIRS", "(number + lane_index()) * PAIRS"),),
+        WATER,
+    ),
+    Mutant(
+        "glass on the way to a lamp that takes no light",
+        "integrators/specular_chain.py",
+        (("beta = where(met, beta * share, beta)", "pass"),),
+        SAME,
+    ),
+)
