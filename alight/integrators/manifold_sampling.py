@@ -193,7 +193,7 @@ def write_add_caustics(listeners):
                 going = waiting != 0
                 if going:
                     # All lanes search for one.
-                    put_records(memory, ROOM, 0, lanes_u32(trailing_zeros(waiting)), mine)
+                    put_records(memory, ROOM, 0, lane_index() * 0 + trailing_zeros(waiting), mine)
                     trial = records_at(memory, ROOM, 0, mine)
                     search, begin = _again(trial, number)
                     seen = at_times_of(scene, trial.sampler)
