@@ -1,8 +1,8 @@
-"""All that lanewise takes from Numba and llvmlite beyond what they document, in one place.
+"""Every undocumented part of Numba and llvmlite that lanewise uses, in one place.
 
 The rest of the package uses `numba.njit`, `types`, `typeof`, `from_dtype`, `config` and
-`numba.extending`, `llvmlite.ir` and `llvmlite.binding`. The names below are Numba's own affair and
-may change with any minor version. Each says in one line what is assumed of it, and
+`numba.extending`, `llvmlite.ir` and `llvmlite.binding`. The names below are internal to Numba
+and may change with any minor version. Each says in one line what is assumed of it, and
 `lanewise.canary` tries them one by one. So do the `METHODS` of objects that Numba and llvmlite hand
 to the rest of the package.
 """

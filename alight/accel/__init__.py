@@ -1,7 +1,7 @@
 """Acceleration structures find the first surface that a ray hits, or whether it hits any.
 
 `query` is what integrators ask, `build` makes the bounding volume hierarchy
-and `accelerator` puts it together with flat lists, planes and instances for a whole scene.
+and `accelerator` puts it together with flat lists and instances for a whole scene.
 """
 
 from alight.accel.accelerator import build_accelerator as build_accelerator

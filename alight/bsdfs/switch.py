@@ -1,4 +1,4 @@
-"""Which model is it? The scattering of any row of the materials, for packets that mix models.
+"""Dispatch over BSDF models, for packets whose lanes hold different materials.
 
 All questions to models go through `_answers`. A program with one model calls it directly. Values in
 lanes that are not active are arbitrary.

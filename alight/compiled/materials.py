@@ -22,7 +22,7 @@ from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
 from alight.bsdfs.switch import MIXED, RELIEF, SAME_BACK, TWO_SIDED
-from alight.compiled.packer import Packer
+from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable
 from alight.core.spec import Bsdf, Texture
 from lanewise.view import View
@@ -77,7 +77,7 @@ def compile_materials(
         texture_data=table.data,
         texels=table.texels,
         layers=View(lists),
-        curves=View(np.concatenate([*rows.curves, np.zeros(1, np.float32)])),
+        curves=View(np.concatenate([*in_place(rows.curves), np.zeros(1, np.float32)])),
     )
     models = [name for name in BSDFS if name in rows.used]
     return tables, (*models, *sorted(rows.used - set(models))), table.names

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from alight.core.errors import AlightError
 from alight.core.spec import Texture, Triple
 from alight.core.vec import luminance
 from lanewise.vec3 import Vec3
@@ -15,6 +16,20 @@ from lanewise.vec3 import Vec3
 if TYPE_CHECKING:
     from alight.compiled.textures import TextureTable
     from alight.textures.images import Image
+
+
+#: Tables start at multiples of this many numbers: rows of float32 hold where, and these hold
+#: multiples of 64 exactly up to 2^30.
+_ALIGNED = 64
+
+
+def in_place(curves: Iterable[np.ndarray]) -> list[np.ndarray]:
+    """Fill up each table, so that the next one starts where a row can say."""
+    return [np.pad(curve, (0, _gap(curve))) for curve in curves]
+
+
+def _gap(curve: np.ndarray) -> int:
+    return -curve.size % _ALIGNED
 
 
 @dataclass
@@ -62,7 +77,10 @@ class Packer:
         if not before:
             self.all_curves.append(values)
         index = next(i for i, curve in enumerate(self.all_curves) if curve is values)
-        self.numbers(name, sum(curve.size for curve in self.all_curves[:index]))
+        start = sum(curve.size + _gap(curve) for curve in self.all_curves[:index])
+        if start >= 2**24 * _ALIGNED:
+            raise AlightError("materials have more tables than numbers of 32 bits can tell apart")
+        self.numbers(name, start)
 
     def color(self, name: str, value: Triple | Texture | str) -> None:
         """Put a colour: numbers, or a texture with its name resolved."""

@@ -43,6 +43,18 @@ _TYPES = frozenset({"int64", "uint64", "int32", "uint32", "uint8", "float32", "f
 #: bytes, and how much they must shrink. A plane of noise costs 25 ms a megabyte and gives nothing.
 _TRIALS, _TRIAL_BYTES, _WORTH = 16, 4096, 0.5
 
+#: What reading a strange header raises, or making the arrays that it describes.
+_STRANGE = (
+    KeyError,
+    TypeError,
+    ValueError,
+    IndexError,
+    OverflowError,
+    MemoryError,
+    struct.error,
+    zlib.error,
+)
+
 #: Numbers looked at at a time, and threads that deflate.
 _PIECE, _THREADS = 1 << 15, 4
 
@@ -132,7 +144,11 @@ def unpack_archive(name: str, data: memoryview) -> Archive:
         raise FilmError(f"{name} is not a film or checkpoint of alight")
     if hashlib.sha256(data[start:]).digest() != bytes(data[len(MAGIC) : start]):
         raise FilmError(f"{name} is damaged or truncated: its checksum is wrong")
-    return _decode(name, data[start:])
+    try:
+        return _decode(name, data[start:])
+    except _STRANGE as error:
+        # The checksum is right, so somebody made it so.
+        raise FilmError(f"{name} holds no readable film: {error!r}") from error
 
 
 def _planes(name: str, array: np.ndarray) -> tuple[dict[str, Any], list[np.ndarray]]:

@@ -33,8 +33,9 @@ from alight.films.ledger import Bias
 from alight.films.sample_ranges import SampleRanges, cells_of, empty_cells, union_of_cells
 from alight.films.tiles import PartialFilm, names_of
 from alight.metrics.error_estimate import ErrorEstimate
-from alight.metrics.own_error import estimate_relmse
+from alight.metrics.own_error import relmse_of
 from alight.metrics.pixel_bars import PixelBars, pixel_bars
+from alight.metrics.survey import survey
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture
 
@@ -77,6 +78,8 @@ class Film:
         What the renderer knows to be biased, effects as radiance; see `biases`.
     largest_sample : float or None
         No channel of a sample can be larger; None where that is not known.
+    shares_paths : bool
+        Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
         Times and rates, filled in by the renderer.
     lock : threading.RLock
@@ -125,6 +128,7 @@ class Film:
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
         self.largest_sample: float | None = None
+        self.shares_paths = False
         self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
         self.lock = threading.RLock()
@@ -200,6 +204,7 @@ class Film:
             version=self.version, surfaces=self.coverage.names if self.coverage else None,
         )  # fmt: skip
         film.recorded, film.largest_sample = self.recorded, self.largest_sample
+        film.shares_paths = self.shares_paths
         return film
 
     def snapshot(self) -> Film:
@@ -329,7 +334,8 @@ class Film:
 
         Without `literature` the figure for epsilon = 0.01 is left out: a third of the time.
         """
-        return estimate_relmse(*self.replicate_means(), literature=literature)
+        seen = survey(*self.replicate_means(), self.shares_paths)
+        return relmse_of(seen, literature)
 
     def judged(self, literature: bool = True) -> tuple[ErrorEstimate, np.ndarray]:
         """Give `relmse_estimate` and `unsure`, cheaper together, and once for all samples."""

@@ -43,7 +43,8 @@ def unsure_of(film: Film, known: Judged) -> Judged:
     if known.samples == _samples_of(film):
         return known
     means, counts = film.replicate_means()
-    return Judged(int(counts.sum()), unsure_pixels(survey(means, counts)))
+    seen = survey(means, counts, film.shares_paths)
+    return Judged(int(counts.sum()), unsure_pixels(seen))
 
 
 def judge(film: Film, known: Judged, literature: bool) -> Judged:
@@ -52,7 +53,7 @@ def judge(film: Film, known: Judged, literature: bool) -> Judged:
     if same and known.error is not None and known.literature >= literature:
         return known
     means, counts = film.replicate_means()
-    seen, samples = survey(means, counts), int(counts.sum())
+    seen, samples = survey(means, counts, film.shares_paths), int(counts.sum())
     # Tiles may have come in between.
     unsure = known.unsure if samples == known.samples else unsure_pixels(seen)
     return Judged(samples, unsure, relmse_of(seen, literature), literature)

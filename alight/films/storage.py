@@ -81,6 +81,7 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             "invalid": film.invalid,
             "saturated": film.saturated,
             "largest_sample": film.largest_sample,
+            "shares_paths": film.shares_paths,
             "recorded": [bias.state() for bias in film.recorded],
             "ranges": [list(cell) for cell in distinct],
         })  # fmt: skip
@@ -134,6 +135,7 @@ def _unpack(
     film.cells = table[_shaped(arrays[f"{number}.cells"], film.cells)]
     film.invalid, film.saturated = described["invalid"], described["saturated"]
     film.largest_sample = described.get("largest_sample")
+    film.shares_paths = bool(described.get("shares_paths"))
     film.recorded = tuple(Bias.restored(state) for state in described.get("recorded", ()))
     return film
 

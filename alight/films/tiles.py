@@ -36,7 +36,8 @@ class PartialFilm(NamedTuple):
     ranges : (int, int) or ndarray of int, shape (cells_y, cells_x, 2)
         (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches.
     aovs : mapping of str to ndarray of int64, shape (th, tw, c, 2)
-        Fixed-point sums over all samples; of `FIRST_SAMPLE_LAYERS` over the first of each pixel.
+        Fixed-point sums over all samples; of `FIRST_SAMPLE_LAYERS` only of sample 0 of each pixel,
+        so that they add up whichever film holds it; zeros where none does.
     coverage : SurfaceSums, optional
         Weights of surfaces in the pixels of the tile, counted row by row.
     """

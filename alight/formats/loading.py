@@ -21,7 +21,7 @@ from alight.formats import mitsuba, pbrt
 from alight.formats.bounds import Bounds
 from alight.formats.made_up import fitted
 from alight.formats.missing import replace_missing
-from alight.formats.models import PARSERS, read_model
+from alight.formats.models import READERS, read_model
 from alight.formats.native import SUFFIXES
 from alight.formats.objects import name_of, parse_object
 from alight.formats.objects.pieces import SMOOTH, Look
@@ -36,7 +36,7 @@ from alight.scene.source import Recipe, Source
 from alight.scene.validation import find_problems
 
 # Files of other programs.
-FOREIGN = (".xml", pbrt.SUFFIX, *PARSERS)
+FOREIGN = (".xml", pbrt.SUFFIX, *READERS)
 
 
 def builtin_names() -> tuple[str, ...]:
@@ -143,7 +143,7 @@ def load(
     is_builtin = name in builtin_names()
     framed = None
     shown = Shown(variant, scene_name, animation, at)
-    if Path(name).suffix.lower() not in PARSERS:
+    if Path(name).suffix.lower() not in READERS:
         shown.refuse(name)
     if is_builtin:
         text = resources.files("alight.scene.builtin").joinpath(f"{name}.yaml").read_text("utf-8")
@@ -151,7 +151,7 @@ def load(
     else:
         path, given = Path(name), definitions or {}
         reach = _reach(path.parent, root, name)
-        if path.suffix.lower() in PARSERS and is_file(path):
+        if path.suffix.lower() in READERS and is_file(path):
             _refuse_definitions(given, name)
             parsed = read_model(path, name, reach, shown, lenient)
             framed = parsed.framed

@@ -1,9 +1,11 @@
-"""Files of other programs that are read as bytes, by the ending of their names."""
+"""Scene files of other programs, by the ending of their names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
+from typing import NamedTuple
 
 from alight.core.errors import Issue, SceneError
 from alight.core.extras import install_command
@@ -15,12 +17,31 @@ from alight.formats.shown import Shown
 from alight.outputs.texels import reusing_memory
 
 AS_IT_IS = Shown()
-Parser = Callable[[bytes, str, Reach], Parsed]
+MOST_BYTES = 2**30
 
 
-def _read_usd(
-    data: bytes, name: str, reach: Reach, shown: Shown = AS_IT_IS, lenient: bool = False
-) -> Parsed:
+class Reader(NamedTuple):
+    """How files of one format are read.
+
+    Attributes
+    ----------
+    parse : callable
+        ``parse(data, name, reach) -> Parsed``, with ``shown`` if there are choices, and with
+        ``lenient`` if the files name others.
+    choices : tuple of str
+        Fields of `Shown` that a user may choose by.
+    names_files : bool
+    opens_them : bool
+        The parser opens the file itself, and gets no data.
+    """
+
+    parse: Callable[..., Parsed]
+    choices: tuple[str, ...] = ()
+    names_files: bool = True
+    opens_them: bool = False
+
+
+def _parse_usd(data: bytes, name: str, reach: Reach, shown: Shown, lenient: bool) -> Parsed:
     """Read a file of OpenUSD, if the package for it is there."""
     import importlib.util
 
@@ -33,22 +54,24 @@ def _read_usd(
     return parse(data, name, reach, shown.at, lenient)
 
 
-PARSERS: dict[str, Parser] = {
-    ".gltf": gltf.parse,
-    ".glb": gltf.parse,
-    ".obj": obj_scene.parse,
-    ".ply": mesh_scene.parse_ply,
-    ".stl": mesh_scene.parse_stl,
-    ".mtlx": materialx.parse,
-    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _read_usd),
+_USD = Reader(_parse_usd, choices=("at",), opens_them=True)
+_GLTF = Reader(gltf.parse, choices=tuple(field.name for field in fields(Shown)))
+
+READERS = {
+    ".gltf": _GLTF,
+    ".glb": _GLTF,
+    ".obj": Reader(obj_scene.parse),
+    ".ply": Reader(mesh_scene.parse_ply, names_files=False),
+    ".stl": Reader(mesh_scene.parse_stl, names_files=False),
+    ".mtlx": Reader(materialx.parse, choices=("variant",)),
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _USD),
 }
-MOST_BYTES = 2**30
 
 
 def read_model(
     path: Path, name: str, reach: Reach, shown: Shown = AS_IT_IS, lenient: bool = False
 ) -> Parsed:
-    """Read a file whose ending is one of `PARSERS`.
+    """Read a file whose ending is one of `READERS`.
 
     Parameters
     ----------
@@ -67,27 +90,18 @@ def read_model(
     SceneError
         If it cannot be read, or is no scene at all.
     """
+    reader = READERS[path.suffix.lower()]
     try:
         size = path.stat().st_size
         if size > MOST_BYTES:
             text = f"must be at most {MOST_BYTES >> 20} MB, got {size >> 20} MB"
             raise SceneError([Issue("", text, name)])
         with path.open("rb") as file:
-            # OpenUSD reads its files itself.
-            data = b"" if PARSERS[path.suffix.lower()] is _read_usd else file.read()
+            data = b"" if reader.opens_them else file.read()
     except OSError as error:
         raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
-    parser = PARSERS[path.suffix.lower()]
+    shown.refuse(name, reader.choices)
+    options = {"shown": shown} if reader.choices else {}
+    more = {"lenient": lenient} if reader.names_files else {}
     with reusing_memory():
-        if parser is gltf.parse:
-            return gltf.parse(data, name, reach, shown, lenient)
-        if parser is materialx.parse:
-            shown.refuse(name, ("variant",))
-            return materialx.parse(data, name, reach, shown, lenient)
-        if parser is _read_usd:
-            shown.refuse(name, ("at",))
-            return _read_usd(data, name, reach, shown, lenient)
-        shown.refuse(name)
-        if parser is obj_scene.parse:
-            return obj_scene.parse(data, name, reach, lenient)
-        return parser(data, name, reach)
+        return reader.parse(data, name, reach, **options, **more)

@@ -1,4 +1,4 @@
-"""Scenes written in the native format, with files for what is large."""
+"""Writes scenes in the native format, with files for what is large; `loading` reads them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The camera's half of bidirectional path tracing, and how it is joined to the light's.
+"""The camera subpath of bidirectional path tracing, and its connections to the light subpath.
 
 Where a path comes upon light, where it samples light, and where its vertices are joined to those of
 a light path: techniques s = 0, s = 1 and the others of `alight.integrators.bidirectional`.

@@ -9,7 +9,7 @@ direction :math:`\omega_l`, it adds to the pixel that sees the point from :math:
 
 with the importance W of the camera (`alight.cameras.connection`).
 
-What the camera sees in a mirror or through clear glass no light path can connect to: it stays
+Light paths cannot connect to what the camera sees in a mirror or through clear glass, so it stays
 black. Light tracing is for what path tracing cannot find, caustics above all.
 
 Source: Arvo, Backward ray tracing, SIGGRAPH 1986 course notes; Dutre, Lafortune and Willems, Monte

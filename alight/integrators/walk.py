@@ -44,6 +44,9 @@ from lanewise.simd import (
 #: rays : uniform whole number, rays traced by all lanes so far;
 #: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
 #: bodies : `alight.integrators.enclosing.Bodies` where bodies absorb light, else empty.
+#:
+#: Paths from lights keep other things in two of them: pdf, the brightness that they began with;
+#: delta, see `alight.integrators.light_subpath`.
 PathState = namedtuple(
     "PathState", "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies"
 )

@@ -30,7 +30,7 @@ class Figure(NamedTuple):
         bright as their brightest samples say.
     rise : float, default 0
         Variance of log(relMSE), upwards only, because noisy pixels may differ by more than their
-        samples can tell.
+        samples can tell, and be black where samples have both signs.
     """
 
     value: float
@@ -73,12 +73,15 @@ class ErrorEstimate:
         (0.1 times the mean of the picture) squared.
     known : float
         Share of the pixels whose standard error is known; the others are left out.
+    promised : bool, default True
+        Whether intervals hold as often as they say; not where one path adds to several pixels.
     """
 
     figure: Figure
     figure_literature: Figure
     epsilon: float
     known: float
+    promised: bool = True
 
     @property
     def relmse(self) -> Estimate:

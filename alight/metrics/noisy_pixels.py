@@ -1,9 +1,9 @@
-r"""How bright noisy pixels really are: learnt from the replicates, pooled over pixels alike.
+r"""True brightness of noisy pixels, estimated from replicates pooled over similar pixels.
 
 A pixel's squared error is estimated by one half of its replicates, A, and has to be divided by its
 brightness squared. The other half, B, tells the brightness without a share in that error; but where
 a pixel is mostly noise, B often holds no bright sample at all, and the quotient is off by orders of
-magnitude. Then many pixels have to tell together. Let q be the brightness of the pixels around,
+magnitude. Then many pixels must be pooled. Let q be the brightness of the pixels around,
 :math:`\rho = \mu / q` what is sought, and r = s / q^2 the squared error by A. Over a class of
 pixels that look alike to A, with replicates k and l of B,
 
@@ -19,6 +19,13 @@ Where hardly a bright sample would be expected in B if the pixels were as bright
 surroundings, and none was seen, they are taken to be so: a gamma prior, whose weight is the
 probability of so many samples or more. It says nothing about how much pixels differ among
 themselves.
+
+Filters with negative lobes give samples of both signs, and these cancel: a pixel may be black and
+as noisy as a bright one, which no log-normal distribution knows. A black pixel's B is negative half
+the time, whatever A saw, so twice the :math:`s / \epsilon` of all pixels whose B is negative has
+the expectation of what black pixels add to the sum, or more, since bright ones can be negative too.
+Anything from nothing to that may be missing: a uniform distribution of log(value), whose mean
+square is a third of the square of its end.
 """
 
 from __future__ import annotations
@@ -57,8 +64,9 @@ _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 _WEIGHTS /= _WEIGHTS.sum()
 
 #: What `gather` adds up over pixels: r, r rho, r rho^2, r epsilon / q^2, r^2, r^(3/2),
-#: r log(A's brightness squared / q^2) and r times the variance of rho.
-_SUMS = 8
+#: r log(A's brightness squared / q^2), r times the variance of rho, and r q^2 / epsilon where B's
+#: brightness is negative.
+_SUMS = 9
 
 
 class Believed(NamedTuple):
@@ -76,7 +84,8 @@ class Believed(NamedTuple):
         Of log(`value`): of single pixels within their classes, of what is known of the classes, and
         of their shape.
     rise : float
-        Of log(`value`) too, but only upwards: pixels may differ by more than B can tell.
+        Of log(`value`) too, but only upwards: pixels may differ by more than B can tell, and be
+        black where their samples have both signs.
     """
 
     weights: np.ndarray
@@ -102,7 +111,7 @@ def class_of(brightness: np.ndarray, around: np.ndarray, error: np.ndarray) -> n
 
 
 def no_sums() -> np.ndarray:
-    """Begin with nothing gathered, shape (8, CLASSES, GROUPS)."""
+    """Begin with nothing gathered, shape (9, CLASSES, GROUPS)."""
     return np.zeros((_SUMS, CLASSES, GROUPS))
 
 
@@ -121,7 +130,7 @@ def gather(
 
     Parameters
     ----------
-    sums : ndarray, shape (8, CLASSES, GROUPS)
+    sums : ndarray, shape (9, CLASSES, GROUPS)
         As `no_sums`; changed.
     classes, groups : ndarray of int, shape (n,)
     r : ndarray, shape (n,)
@@ -139,8 +148,12 @@ def gather(
     rows = (
         r, r * rho, r * rho_squared, r * floor, r * r, r * np.sqrt(r), r * np.log(ratio), r * noise,
     )  # fmt: skip
-    for total, row in zip(sums, rows, strict=True):
+    for total, row in zip(sums, rows, strict=False):
         total += np.bincount(keys, row, CLASSES * GROUPS).reshape(CLASSES, GROUPS)
+    negative: np.ndarray = np.flatnonzero(rho < 0.0)
+    if negative.size:
+        keys, r, floor = (each.take(negative) for each in (keys, r, floor))
+        sums[-1] += np.bincount(keys, r / floor, CLASSES * GROUPS).reshape(CLASSES, GROUPS)
 
 
 def believe(
@@ -150,7 +163,7 @@ def believe(
 
     Parameters
     ----------
-    sums : ndarray, shape (8, CLASSES, GROUPS)
+    sums : ndarray, shape (9, CLASSES, GROUPS)
     repeats : int
         How often one bright sample was gathered: for three channels and each way of halving.
     a, b, replicates : int
@@ -193,6 +206,7 @@ def believe(
     shape = _SHAPE * float(found.shape[:, 0] @ own) / value
     variance = (math.log1p(within) + between) * student**2 + math.log1p(given) + shape**2
     rise = math.log1p(float(((found.lift[:, 0] * own / value) ** 2).sum()))
+    rise += math.log1p(2.0 * float(sums[-1].sum()) / value) ** 2 / 3.0
     return Believed(weights, value, lowest, variance, rise)
 
 
@@ -260,8 +274,8 @@ class _Classes(NamedTuple):
 
 
 def _classes(sums: np.ndarray, repeats: int, b: int, size: float, unevenness: float) -> _Classes:
-    """Work out classes of any shape from what `gather` added up, shape (8, ...)."""
-    total, first, second, floor, squares, roots, ratio, noise = sums
+    """Work out classes of any shape from what `gather` added up, shape (9, ...)."""
+    total, first, second, floor, squares, roots, ratio, noise, _ = sums
     pixels = total * total / (squares * repeats)
     # Bright samples that B would hold if the pixels were as bright as their surroundings; and does.
     expected = b * pixels * total / (size * roots)

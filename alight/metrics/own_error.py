@@ -27,6 +27,7 @@ from alight.metrics import noisy_pixels
 from alight.metrics.epsilon import LITERATURE_EPSILON
 from alight.metrics.error_estimate import ErrorEstimate, Figure
 from alight.metrics.planes import weighted
+from alight.metrics.shared_paths import SharedPaths
 from alight.metrics.surroundings import CELL, by_cells, spread_out
 from alight.metrics.survey import Survey, survey
 
@@ -70,7 +71,7 @@ def relmse_of(seen: Survey, literature: bool = True) -> ErrorEstimate:
     if known > 0.0 and seen.epsilon > 0.0:
         figure = _figure(seen, seen.epsilon)
         other = _figure(seen, LITERATURE_EPSILON) if literature else other
-    return ErrorEstimate(figure, other, seen.epsilon, known)
+    return ErrorEstimate(figure, other, seen.epsilon, known, promised=not seen.shares_paths)
 
 
 def _figure(seen: Survey, epsilon: float) -> Figure:
@@ -102,12 +103,17 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
     spread, kept = 0.0, iter(weights)
+    shared = SharedPaths(replicates) if seen.shares_paths and replicates >= 4 else None
     for rows, m, k in seen.bands():
         # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
         for a, b in _halves(m, k, halvings):
-            by_a, by_b = next(kept)
-            spread += _spread(known[rows], a, b, by_a.full(believed), by_b.full(believed))
+            by_a, by_b = (weight.full(believed) for weight in next(kept))
+            spread += _spread(known[rows], a, b, by_a, by_b)
+            if shared:
+                shared.add(m, np.sqrt(by_a * by_b) * known[rows])
     spread /= len(halvings)
+    if shared:
+        spread = max(spread, shared.spread / len(halvings) ** 2)
     if replicates < 4:
         # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
         spread *= (replicates - 1) / (replicates + 1)

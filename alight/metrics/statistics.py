@@ -250,10 +250,11 @@ def welch(
 
 def holm(p_values: Sequence[float], level: float) -> list[bool]:
     """Which hypotheses Holm's step-down test rejects at a family-wise level (Holm 1979)."""
+    # NaN is rejected, never passed over.
+    p_values = [0.0 if math.isnan(p) else p for p in p_values]
     order = sorted(range(len(p_values)), key=lambda i: p_values[i])
     rejected = [False] * len(p_values)
     for rank, i in enumerate(order):
-        # NaN compares false: it is rejected, never passed over.
         if p_values[i] > level / (len(p_values) - rank):
             break
         rejected[i] = True

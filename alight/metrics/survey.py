@@ -34,6 +34,8 @@ class Survey(NamedTuple):
         The picture, its squared standard error, and the brightness around each pixel.
     epsilon : float
         (0.1 times the mean of the picture) squared.
+    shares_paths : bool, default False
+        Whether one path adds to several pixels, whose errors then depend on each other.
     """
 
     means: np.ndarray
@@ -43,6 +45,7 @@ class Survey(NamedTuple):
     variance: np.ndarray
     surroundings: np.ndarray
     epsilon: float
+    shares_paths: bool = False
 
     @property
     def replicates(self) -> int:
@@ -54,7 +57,7 @@ class Survey(NamedTuple):
         yield from _bands(self.means, self.counts)
 
 
-def survey(means: np.ndarray, counts: np.ndarray) -> Survey:
+def survey(means: np.ndarray, counts: np.ndarray, shares_paths: bool = False) -> Survey:
     """Survey a picture.
 
     Parameters
@@ -62,6 +65,8 @@ def survey(means: np.ndarray, counts: np.ndarray) -> Survey:
     means : ndarray of float32, shape (h, w, R, 3)
         Of the samples of each replicate.
     counts : ndarray of int, shape (h, w, R)
+    shares_paths : bool, default False
+        See `Survey`.
     """
     h, w, replicates, _ = means.shape
     counts = same_everywhere(counts)
@@ -80,7 +85,7 @@ def survey(means: np.ndarray, counts: np.ndarray) -> Survey:
     surroundings = around(lit, variance, epsilon)
     return Survey(
         means=means, counts=counts, known=known, picture=picture, variance=variance,
-        surroundings=surroundings, epsilon=epsilon,
+        surroundings=surroundings, epsilon=epsilon, shares_paths=shares_paths,
     )  # fmt: skip
 
 

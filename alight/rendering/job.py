@@ -160,6 +160,7 @@ class Job:
         if scene.integrator.splats and not scene.integrator.transports:
             film.recorded += (UNSEEN,)
         film.largest_sample = self.largest_sample
+        film.shares_paths = scene.integrator.splats
         return film
 
     def _guide(self) -> dict[str, Any]:

@@ -10,9 +10,17 @@ if TYPE_CHECKING:
     from alight.scene.flatten import FlatScene
 
 
-def largest_sample(flat: FlatScene) -> float | None:
-    """Bound every channel of every sample; None where it is not known to be bounded."""
-    if flat.lights or len(flat.environments) > 1:
+def largest_sample(flat: FlatScene, by_tree: bool) -> float | None:
+    """Bound every channel of every sample; None where it is not known to be bounded.
+
+    Parameters
+    ----------
+    flat : FlatScene
+    by_tree : bool
+        Whether a tree chooses lights (`Program.light_tree`): samples are divided by a density that
+        knows the normal, but weighed by one that does not, and their quotient has no bound.
+    """
+    if by_tree or flat.lights or len(flat.environments) > 1:
         # Light at points has no bound; environments add up.
         return None
     lights = [shape.light for shape in flat.shapes if shape.light is not None]

@@ -126,7 +126,8 @@ def job_of(
     replicates = replicates or flat.film.replicates
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
-        largest_sample=largest_sample(flat), notes=flat.notes, training=training,
+        largest_sample=largest_sample(flat, compiled.program.light_tree), notes=flat.notes,
+        training=training,
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -18,6 +19,7 @@ from alight.rendering.schedule import Goal, Schedule, Uniform, Verdict
 from alight.rendering.stopping import (
     Judgement,
     Promise,
+    early_line,
     first_look,
     judge,
     line_of,
@@ -115,7 +117,13 @@ class Steered(Schedule):
         film = rounds[0]
         if self.promise is None or word != "time" or not film.sample_count.all():
             return Verdict(word)
-        return self._say(film, judge(film, self.promise))
+        judgement = judge(film, self.promise)
+        if not judgement.met:
+            return self._say(film, judgement)
+        # Only looks that were planned may say so: their places know nothing of the film.
+        early = judgement._replace(met=False, factor=self.now / film.spp)
+        line = early_line(early, self.promise, self.now)
+        return replace(self._say(film, early), word="not met", line=line)
 
     def biases(self, rounds: Sequence[Film]) -> tuple[Bias, ...]:
         """An error that ends the render makes the number of samples depend on them, a little."""

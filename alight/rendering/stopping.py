@@ -283,7 +283,7 @@ def line_of(
             return f"not met: {reached}, asked {asked}; far more samples are needed"
         return f"not met: {reached}, asked {asked}; about {_told(more)} {unit} more are needed"
     if math.isnan(judgement.achieved):
-        return "not certifiable: no light has been seen"
+        return "not certifiable: no light has been seen, or there is a single replicate"
     if judgement.doubted:
         return (
             f"not certifiable: relRMSE about {100 * judgement.value:.3g} %, asked {asked}, but too "
@@ -292,6 +292,14 @@ def line_of(
     return (
         f"not certifiable: {reached}, but in {100 * judgement.doubtful:.3g} % of the picture rare "
         f"bright samples may hide more than {asked}"
+    )
+
+
+def early_line(judgement: Judgement, promise: Promise, look: int) -> str:
+    """Write the line of a render whose time ended between two looks, with an error within reach."""
+    return (
+        f"not met: the time ended before the look at {look} spp; relRMSE about "
+        f"{100 * judgement.value:.3g} % so far, asked {100 * promise.error:.4g} %"
     )
 
 

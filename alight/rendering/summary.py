@@ -60,9 +60,13 @@ def error_line(error: ErrorEstimate) -> str:
     relative = error.relrmse
     if math.isnan(relative.value):
         return "estimated error: unknown (too few samples, or a black picture)"
+    between = f"{relative.low:.2%} to {_at_most(relative.high)}"
+    interval = (
+        f"95 %: {between}" if error.promised else f"{between}, not promised: pixels share paths"
+    )
     return (
-        f"estimated error: {relative.value:.2%} relRMSE (95 %: {relative.low:.2%} to "
-        f"{_at_most(relative.high)}), relMSE {error.relmse.value:.3g}"
+        f"estimated error: {relative.value:.2%} relRMSE ({interval}), "
+        f"relMSE {error.relmse.value:.3g}"
     )
 
 
@@ -110,6 +114,7 @@ def statistics_of(
         "relmse": {"epsilon": error.epsilon, **_estimate(error.relmse)},
         "relmse_literature": {"epsilon": 0.01, **literature},
         "relrmse": _estimate(error.relrmse),
+        "interval_promised": error.promised,
         "unsure_pixels": unsure,
         "unseen": {
             "indicator": unseen.indicator,

@@ -38,8 +38,8 @@ class Training(NamedTuple):
     leaves, nodes, bytes : int
         Of the guide.
     gain : float or None
-        How many rays without the guide one with it is worth, see `Trainer.gain`; None if nobody
-        asked.
+        How many unguided rays one guided ray is worth at equal error, see `Trainer.gain`; None
+        if nobody asked.
     used : bool
         Whether the picture's paths follow the guide.
     hash : str

@@ -48,13 +48,14 @@ class ShapeModel(Record):
     derivatives : kernel ``(tables, k, surface) -> (dp/du, dp/dv)``
         In the world, metres; without it the tangents of the surface.
     sample : kernel ``(tables, cdf, start, shape, p, u, u2) -> ShapeSample``
-        A point of a shape that shines; see `alight.shapes.rectangle.sample`.
+        Samples a point of an emissive shape as seen from p; see `alight.shapes.rectangle.sample`.
     pdf : kernel ``(tables, cdf, start, shape, p, hit)``
         Density of `sample` per solid angle at a `ShapeHit`.
     coordinates : kernel ``(tables, cdf, start, shape, q, u, u2) -> (u, v, prim)``
         The sampled point q as `intersect` reports it; without it all are 0.
     sample_area : kernel ``(tables, cdf, start, shape, u, u2) -> AreaSample``
-        A point of a shape that shines, seen from nowhere; without it no light path starts there.
+        Samples a point of an emissive shape by area, whoever looks at it; without it no light path
+        starts there.
     PROJECTION : float
         Area of its largest shadow over its surface area; the light tree estimates by it how much a
         lamp of this shape sends one way.

@@ -124,7 +124,9 @@ class LiveScene:
         self._done: Wish | None = None
         self._news = threading.Condition()
         self._closed = False
+        # A changed scene that waits for its kernels, and whether the camera stays with it.
         self._next: Movable | None = None
+        self._keeps_camera = True
         # Whether there is machine code for `aim`.
         self._looks = threading.Event()
         self._eye: threading.Thread | None = None
@@ -171,14 +173,14 @@ class LiveScene:
         """
         movable = Movable(scene, self.movable.options)
         with self._news:
+            # A camera that is still waiting for its kernels is in this scene, too.
+            self._keeps_camera = keeps_camera and (self._next is None or self._keeps_camera)
             self._next = movable
             same = movable.compiled.program == self.movable.compiled.program
             if same:
-                self._take_next(keeps_camera)
+                self._take_next()
         if not same:
-            threading.Thread(
-                target=self._prepare, args=(movable, keeps_camera), daemon=True
-            ).start()
+            threading.Thread(target=self._prepare, args=(movable,), daemon=True).start()
         self._changed()
 
     @property
@@ -186,7 +188,7 @@ class LiveScene:
         """Whether kernels are compiled for a changed scene."""
         return self._next is not None
 
-    def _prepare(self, movable: Movable, keeps_camera: bool) -> None:
+    def _prepare(self, movable: Movable) -> None:
         """Compile the kernels of a changed scene, and take it if none has come after it."""
         problem = ""
         try:
@@ -201,13 +203,13 @@ class LiveScene:
             else:
                 # A kernel that looks at pixels is compiled anew, too.
                 self._looks, self._eye = threading.Event(), None
-                self._take_next(keeps_camera)
+                self._take_next()
         self._changed()
 
-    def _take_next(self, keeps_camera: bool) -> None:
+    def _take_next(self) -> None:
         assert self._next is not None
         self.movable, self._next, self.problem = self._next, None, ""
-        last = self._wish
+        last, keeps_camera = self._wish, self._keeps_camera
         pose = last.pose if keeps_camera else None
         if pose is None:
             mine, old = Pose.of(self.movable.flat.camera), self.pose

@@ -13,6 +13,7 @@ from collections.abc import Awaitable, Callable
 from contextlib import asynccontextmanager
 from importlib import resources
 from pathlib import Path
+from urllib.parse import quote
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
@@ -71,8 +72,7 @@ def application(session: Session, access: Access) -> Starlette:
             content = await run_in_threadpool(_saved, session, name)
         except AlightError as error:
             return PlainTextResponse(str(error), 409, headers=HEADERS)
-        stem = "".join(c for c in Path(session.title).stem if c.isalnum() or c in "-_") or "alight"
-        told = {"content-disposition": f'attachment; filename="{stem}{Path(name).suffix}"'}
+        told = {"content-disposition": _attachment(Path(session.title).stem, Path(name).suffix)}
         kind = "application/octet-stream"
         return Response(content, media_type=kind, headers=HEADERS | told)
 
@@ -152,6 +152,12 @@ async def _send(socket: WebSocket, mailbox: Mailbox) -> None:
     except (WebSocketDisconnect, RuntimeError):
         # The browser has gone while it was being told; reading notices, too.
         return
+
+
+def _attachment(stem: str, suffix: str) -> str:
+    """Name a file for the browser: in ASCII, and as it is (RFC 6266)."""
+    plain = "".join(c for c in stem if c.isascii() and (c.isalnum() or c in "-_")) or "alight"
+    return f"attachment; filename=\"{plain}{suffix}\"; filename*=UTF-8''{quote(stem + suffix, '')}"
 
 
 def _saved(session: Session, name: str) -> bytes:

@@ -168,6 +168,7 @@ class Session:
         if film and error:
             of_all = error.relrmse
             found["error"] = [_number(n) for n in (of_all.value, of_all.low, of_all.high)]
+            found["promised"] = error.promised
         if live and self.editor:
             found |= _of_render(live) | self.editor.state()
         return found | shown

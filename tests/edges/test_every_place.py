@@ -41,7 +41,7 @@ def read_everywhere(scene, folder):
     assert again == scene and content_hash(again) == content_hash(scene)
     flat = flatten(again)
     assert facts(again, flat) and list(tree_lines(again))
-    largest_sample(flat)
+    largest_sample(flat, by_tree=False)
     write(flat, folder / "written.glb")
     return flat
 

@@ -1,6 +1,8 @@
 """Film files: what was written comes back to the bit, and no damaged file is taken for whole."""
 
 import errno
+import hashlib
+import json
 import os
 
 import numpy as np
@@ -168,3 +170,28 @@ def test_the_film_before_is_kept_until_the_new_one_is_safe(tmp_path, monkeypatch
     monkeypatch.undo()
     assert_same(Film.load(path), film_of())
     assert [p.name for p in tmp_path.iterdir()] == ["a.alight"]
+
+
+@pytest.mark.parametrize("header", [
+    {}, [], {"arrays": 5, "content": {}}, {"arrays": [{}], "content": {}},
+    {"arrays": [{"name": "a", "shape": [2**43], "type": "int64", "planes": [["raw", 1]] * 8}]},
+    {"arrays": [{"name": "a", "shape": [-1], "type": "int64", "planes": [["raw", 1]] * 8}]},
+    {"arrays": [{"name": "a", "shape": [4], "type": "object", "planes": [["raw", 1]] * 8}]},
+    {"arrays": [{"name": "a", "shape": [4], "type": "int64", "planes": [["deflated", 4]] * 8}]},
+])  # fmt: skip
+def test_a_file_that_somebody_made_is_refused_too(tmp_path, header):
+    """Its checksum is right, and what it says is not what alight would write."""
+    text = json.dumps(header).encode()
+    data = archive._HEAD.pack(archive.VERSION, len(text)) + text + bytes(64)
+    path = tmp_path / "a.alight"
+    path.write_bytes(archive.MAGIC + hashlib.sha256(data).digest() + data)
+    with pytest.raises(FilmError, match="readable film"):
+        Film.load(path)
+
+
+def test_a_film_knows_whether_pixels_share_paths(tmp_path):
+    film = film_of()
+    film.shares_paths = True
+    assert Film.load(film.save(tmp_path / "a.alight")).shares_paths
+    assert Film.merge(film, film_of(6, 3)).shares_paths
+    assert not Film.load(film_of().save(tmp_path / "b.alight")).shares_paths

@@ -35,9 +35,10 @@ def bound(tmp_path):
     path = tmp_path / "box.yaml"
     path.write_text(BOX)
 
-    def largest(*changes, text=None):
+    def largest(*changes, text=None, by_tree=False):
         path.write_text(text or BOX)
-        return largest_sample(flatten(alight.load(path, list(changes))))
+        scene = alight.load(path, list(changes))
+        return largest_sample(flatten(scene), by_tree)
 
     return largest
 
@@ -114,6 +115,11 @@ def test_units_and_the_brightest_of_all(bound):
     assert bound(*changes, "nodes.ball.bsdf.reflectance=[0.1,0.9,0.2]") == (
         pytest.approx(summed(3.0, 0.9, 3))
     )
+
+
+def test_samples_of_lights_that_a_tree_chooses_have_no_bound(bound):
+    assert bound("integrator.max_depth=5") is not None
+    assert bound("integrator.max_depth=5", by_tree=True) is None
 
 
 SHORT = ("integrator.max_depth=3", "integrator.russian_roulette=none")

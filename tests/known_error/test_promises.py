@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from alight.core.errors import OptionError
+from alight.films import Film, PartialFilm
+from alight.films.fixed_point import to_limbs
 from alight.films.sample_ranges import empty_cells
 from alight.metrics.own_error import estimate_relmse
 from alight.rendering.adaptive import LEAST, MOST, counts_at, shares_of
@@ -18,6 +20,7 @@ from alight.rendering.steering import Steered
 from alight.rendering.stopping import (
     Promise,
     first_look,
+    judge,
     judge_means,
     line_of,
     next_look,
@@ -327,3 +330,19 @@ def test_a_plan_doubts_its_seconds_as_much_as_the_pilots_passes_differ():
 def test_promises_that_cannot_be_are_refused(wrong):
     with pytest.raises(OptionError, match=r"error|share|metric"):
         Promise(**wrong)
+
+
+def test_only_a_look_that_was_planned_says_met():
+    """A clock ends where it likes: were it believed, it could wait for a lucky moment."""
+    film = Film(16, 16, replicates=4)
+    rng, count = np.random.default_rng(3), 18
+    counts = np.array([5, 5, 4, 4]) * np.ones((16, 16, 1), np.int64)
+    values = counts[..., None] * rng.normal(1.0, 0.01, (16, 16, 4, 3))
+    sums, _, _ = to_limbs(values.astype(np.float32))
+    film.add_tile(PartialFilm(0, 0, sums, counts, 0, 0, (0, count), {}))
+    schedule = Steered(0, None, Promise(0.5))
+    schedule.now = 20
+    assert judge(film, schedule.promise).met
+    verdict = schedule.cut_short([film], "time")
+    assert verdict.word == "not met" and not verdict.figures["met"]
+    assert "ended before the look at 20 spp" in verdict.line

@@ -10,6 +10,7 @@ from scipy import special, stats
 
 from alight.metrics import noisy_pixels
 from alight.metrics.own_error import estimate_relmse
+from alight.metrics.relmse import relmse
 from alight.metrics.surroundings import around
 
 
@@ -86,3 +87,40 @@ def test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell(pixels
     found = one_group(pixels, noise=noise)[0]
     assert found.weights[0] == pytest.approx(1.0)
     assert found.rise == pytest.approx(math.log1p((differing**3 - 1.0) ** 2), rel=2e-3)
+
+
+def test_where_samples_have_both_signs_pixels_may_be_black():
+    """Twice what pixels whose B is negative were if they were black, or nothing of that: uniform.
+
+    A B of exactly nothing is no sign of cancelling samples: it has not met its light.
+    """
+    rng, sums = np.random.default_rng(3), noisy_pixels.no_sums()
+    r, floor = rng.uniform(0.5, 2.0, 900), rng.uniform(0.01, 0.1, 900)
+    rho = np.where(np.arange(900) < 90, -0.2, 1.0)
+    rho[90:180] = 0.0
+    noisy_pixels.gather(
+        sums, np.repeat([1, 7], 450).astype(np.uint8), np.arange(900) % noisy_pixels.GROUPS, r,
+        rho, np.ones(900), floor, np.ones(900), np.zeros(900),
+    )  # fmt: skip
+    found = noisy_pixels.believe(sums, 9, 2, 2, 4)
+    black = 2.0 * float((r / floor)[:90].sum()) / found.value
+    assert black > 1.0
+    assert found.rise == pytest.approx(math.log1p(black) ** 2 / 3.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("hits", [0.5, 5.0])
+def test_the_interval_holds_where_samples_cancel(hits):
+    """A third of the pixels are all but black, with as much noise of both signs as the others."""
+    held = 0
+    for seed in range(24):
+        rng = np.random.default_rng(40 + seed)
+        level = np.kron(np.exp(1.5 * rng.normal(size=(6, 6))), np.ones((8, 8)))
+        truth = level * np.where(rng.random((48, 48)) < 0.3, 0.02, 1.4)
+        cancelling = rng.poisson(hits, (4, 48, 48)) - rng.poisson(hits, (4, 48, 48))
+        means = np.moveaxis(truth + 0.5 * level * cancelling / math.sqrt(hits), 0, 2)
+        means = np.repeat(means[..., None], 3, axis=3).astype(np.float32)
+        error = relmse(means.mean(axis=2), np.repeat(truth[..., None], 3, axis=2))
+        found = estimate_relmse(means, np.full(means.shape[:3], 4), literature=False).relmse
+        held += found.low <= error <= found.high
+    # Of 24 at 95 %, fewer than 19 have a probability of 0.1 %.
+    assert held >= 19

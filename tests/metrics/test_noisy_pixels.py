@@ -170,7 +170,7 @@ def test_pixels_that_one_replicate_lights_are_in_classes_of_their_own(replicates
     assert (two >= alone - own).all() and (even >= two).all()
 
 
-def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0, ratio=2.0):
+def gathered(rho, replicates, r, floor=1e-9, seed=5, noise=0.0, ratio=2.0):
     """Sums of pixels of which B sees rho, with normal noise."""
     rng, n = np.random.default_rng(seed), len(rho)
     one, two = rho * (1.0 + noise * rng.normal(size=(2, n)))
@@ -183,7 +183,7 @@ def gathered(rho, replicates, r, floor=0.0, seed=5, noise=0.0, ratio=2.0):
     return noisy_pixels.believe(sums, 9, 2, 2, replicates)
 
 
-@pytest.mark.parametrize("floor", [0.0, 0.25])
+@pytest.mark.parametrize("floor", [1e-9, 0.25])
 def test_pixels_alike_weigh_what_their_brightness_says(floor):
     found = gathered(np.full(4800, 1.7), 4, np.ones(4800), floor)
     assert found.weights[0] == pytest.approx(1.0 / (1.7**2 + floor), rel=0.01)

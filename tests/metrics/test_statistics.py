@@ -184,7 +184,8 @@ def test_holm_steps_down():
     # 0.01 <= 0.04/4, 0.013 <= 0.04/3, 0.03 > 0.04/2: stop.
     assert holm([0.03, 0.01, 0.9, 0.013], 0.04) == [False, True, False, True]
     assert holm([], 0.01) == []
-    assert holm([math.nan, 0.5], 0.01)[0]
+    assert holm([math.nan, 0.5], 0.01) == [True, False]
+    assert holm([0.5, math.nan, 1e-9], 0.01) == [False, True, True]
 
 
 def test_sums_of_squares_of_normal_numbers_are_chi_square():

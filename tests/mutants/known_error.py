@@ -11,6 +11,35 @@ SURVEY = "tests/metrics/test_survey.py"
 
 KNOWN_ERROR = (
     Mutant(
+        "pixels that share paths counted as independent",
+        "metrics/own_error.py",
+        (("spread = max(spread, shared.spread)", "spread = max(spread, 0.0)"),),
+        "tests/metrics/test_shared_paths.py::test_the_interval_holds_where_patterns_are_shared",
+    ),
+    Mutant(
+        "shared paths by the error of one replicate, not of the picture",
+        "metrics/shared_paths.py",
+        (("(self._sums / self._replicates) ** 2", "self._sums**2 / self._replicates"),),
+        "tests/metrics/test_shared_paths.py::test_the_spread_is_that_of_the_covariance",
+    ),
+    Mutant(
+        "a clock that ends between two looks says met",
+        "rendering/steering.py",
+        (
+            (
+                "        if not judgement.met:\n            return self._say",
+                "        if True:\n            return self._say",
+            ),
+        ),
+        f"{PROMISES}::test_only_a_look_that_was_planned_says_met",
+    ),
+    Mutant(
+        "a bound for samples of lights that a tree chooses",
+        "rendering/largest_sample.py",
+        (("if by_tree or flat.lights", "if flat.lights"),),
+        "tests/known_error/test_largest_sample.py::test_samples_of_lights_that_a_tree_chooses_have_no_bound",
+    ),
+    Mutant(
         "pixels of one bright sample in the classes of all others",
         "metrics/noisy_pixels.py",
         (("np.uint8(CLASSES // 2) * (error", "np.uint8(0) * (error"),),
@@ -103,6 +132,18 @@ KNOWN_ERROR = (
         "metrics/noisy_pixels.py",
         (("mean * mean * pixels)", "mean * mean * (pixels + 1.0))"),),
         f"{DOUBTS}::test_pixels_differ_by_no_more_than_their_number_and_coincidences_tell",
+    ),
+    Mutant(
+        "samples of both signs that leave nothing open",
+        "metrics/noisy_pixels.py",
+        (("math.log1p(2.0 * float(sums[-1]", "math.log1p(0.0 * float(sums[-1]"),),
+        f"{DOUBTS}::test_the_interval_holds_where_samples_cancel",
+    ),
+    Mutant(
+        "a half that met no light, taken for samples that cancel",
+        "metrics/noisy_pixels.py",
+        (("np.flatnonzero(rho < 0.0)", "np.flatnonzero(rho <= 0.0)"),),
+        f"{DOUBTS}::test_where_samples_have_both_signs_pixels_may_be_black",
     ),
     Mutant(
         "a doubt that counts upwards only, in both directions",

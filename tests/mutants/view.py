@@ -43,6 +43,12 @@ VIEW = (
         f"{EDITING}::test_files_are_told_but_not_offered",
     ),
     Mutant(
+        "a camera that waits for its kernels is forgotten by the next edit",
+        "view/live.py",
+        (("keeps_camera and (self._next is None or self._keeps_camera)", "keeps_camera"),),
+        f"{EDITING}::test_a_camera_that_waits_for_its_kernels_is_in_later_edits_too",
+    ),
+    Mutant(
         "undo takes the camera back to where it was",
         "view/editor.py",
         (

@@ -105,6 +105,24 @@ def test_a_new_type_compiles_while_the_picture_before_stays(session, monkeypatch
     assert session.live.movable.scene.sampler.type == "independent"
 
 
+def test_a_camera_that_waits_for_its_kernels_is_in_later_edits_too(session, monkeypatch):
+    settled(session)
+    go, real = threading.Event(), Movable.prepare
+
+    def slow(self):
+        go.wait(60)
+        real(self)
+
+    monkeypatch.setattr(Movable, "prepare", slow)
+    session.apply(protocol.Orbit(0.02, 0.0))
+    edit(session, "camera", "type", "orthographic")
+    edit(session, WHITE, "reflectance", [0.1] * 3)
+    go.set()
+    wait_for(lambda: not session.live.prepares)
+    kinds = [one.scene.camera.camera.type for one in (session.live, session.editor)]
+    assert kinds == ["orthographic"] * 2
+
+
 def test_undo_and_redo_go_through_all_edits(session):
     first = session.editor.scene
     edit(session, WHITE, "reflectance", [0.1] * 3)
@@ -141,6 +159,7 @@ def test_undo_leaves_a_camera_that_was_moved_where_it_is(session):
      (WHITE, "reflectance", "white", "must be 3 numbers"),
      (WHITE, "type", "difuse", "must be one of"),
      ("camera", "fov", "wide", "must be a number"),
+     ("camera", "fov", 10**400, "must be a number"),
      ("camera", "fov", 180.0, "must be in (0, 180), got 180"),
      ("integrator", "max_depth", 2.5, "must be a whole number, got 2.5"),
      ("integrator", "hide_emitters", 1, "must be true or false")],

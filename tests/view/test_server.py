@@ -147,10 +147,21 @@ def test_ten_thousand_malformed_messages_leave_the_server_alive(client):
 
 def test_what_is_saved_is_what_is_shown(client, picture):
     answer = client.get(f"/{TOKEN}/save/picture.exr")
-    assert answer.headers["content-disposition"] == 'attachment; filename="ramp.exr"'
+    assert answer.headers["content-disposition"].startswith('attachment; filename="ramp.exr"')
     assert answer.content[:4] == b"\x76\x2f\x31\x01"
     refused = client.get(f"/{TOKEN}/save/film.alight")
     assert (refused.status_code, refused.text) == (409, "this is no film")
+
+
+@pytest.mark.parametrize(("title", "plain", "whole"), [
+    ("my ramp.exr", "myramp", "my%20ramp"),
+    ("сцена.exr", "alight", "%D1%81%D1%86%D0%B5%D0%BD%D0%B0"),
+    ('a"b;c.exr', "abc", "a%22b%3Bc"),
+])  # fmt: skip
+def test_a_saved_file_has_the_name_of_the_scene(client, picture, title, plain, whole):
+    picture.title = title
+    told = client.get(f"/{TOKEN}/save/picture.exr").headers["content-disposition"]
+    assert told == f"attachment; filename=\"{plain}.exr\"; filename*=UTF-8''{whole}.exr"
 
 
 def test_a_scene_is_moved_rendered_and_saved_over_the_socket(tmp_path):

@@ -126,7 +126,8 @@ function showError(state) {
   const [value, low, high] = state.error ?? [null, null, null];
   $("error").textContent = value === null ? "–" : percent(value);
   $("interval").textContent = value === null ? "unknown as yet"
-    : `relRMSE, 95 % interval ${percent(low)} to ${percent(high)}`;
+    : `relRMSE, ${state.promised ? "95 % interval " : ""}${percent(low)} to ${percent(high)}`
+      + (state.promised ? "" : " (not promised: pixels share paths)");
   const word = state.word && state.asked ? state.word : state.asked ? `asked ${percent(state.asked)}` : "";
   $("promise").hidden = !word;
   $("promise").textContent = word;

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from alight.scene.flatten import flatten
+from tests.formats.bare import load as bare
 from tests.formats.usd.stage import SQUARE, shapes, usd_loader, world_points
 
 pytest.importorskip("pxr")
@@ -91,17 +92,45 @@ def test_meshes_are_subdivided_unless_they_say_otherwise(load):
     assert len(next(iter(shapes(load(text.replace("none", "bilinear"))).values())).shape.faces) == 2
 
 
+#: Two squares side by side: six points, two faces, eight corners.
+TWO_SQUARES = """
+    int[] faceVertexCounts = [4, 4]
+    int[] faceVertexIndices = [0, 1, 2, 3, 1, 4, 5, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)]
+    uniform token subdivisionScheme = "none"
+"""
+CORNERS = [0, 1, 2, 3], [1, 4, 5, 2]
+
+
 @pytest.mark.parametrize(
-    ("how", "values"),
+    ("how", "values", "number"),
     [
-        ("faceVarying", "[(0, 0), (1, 0), (1, 1), (0, 1)]"),
-        ("vertex", "[(0, 0), (1, 0), (1, 1), (0, 1)]"),
+        ("constant", 1, lambda face, point: 0),
+        ("uniform", 2, lambda face, point: face),
+        ("varying", 6, lambda face, point: point),
+        ("vertex", 6, lambda face, point: point),
+        ("faceVarying", 8, lambda face, point: 4 * face + CORNERS[face].index(point)),
     ],
 )
-def test_texture_coordinates_follow_the_points(load, how, values):
-    text = f'texCoord2f[] primvars:st = {values} (interpolation = "{how}")'
-    (node,) = shapes(load(f'def Mesh "m" {{{SQUARE}{text}}}')).values()
-    np.testing.assert_allclose(node.shape.uvs, node.shape.vertices[:, :2] / [2, 1])
+def test_values_belong_to_what_their_interpolation_names(load, how, values, number):
+    """Table "Interpolation of Geometric Primitive Variables" of UsdGeom, written once more."""
+    rows = ", ".join(f"({n}, {10 * n})" for n in range(values))
+    text = f'texCoord2f[] primvars:st = [{rows}] (interpolation = "{how}")'
+    (node,) = shapes(load(f'def Mesh "m" {{{TWO_SQUARES}{text}}}')).values()
+    points = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)]
+    assert node.shape.uvs is not None
+    for triangle in node.shape.faces:
+        at = node.shape.vertices[triangle, :2]
+        face = int(at[:, 0].mean() > 1.0)
+        expected = [number(face, points.index((round(x), round(y)))) for x, y in at.tolist()]
+        np.testing.assert_allclose(node.shape.uvs[triangle, 0], expected)
+        np.testing.assert_allclose(node.shape.uvs[triangle, 1], np.multiply(10, expected))
+
+
+def test_a_stage_that_names_no_unit_is_in_centimetres(tmp_path):
+    (tmp_path / "a.usda").write_text(f'#usda 1.0\ndef Mesh "m" {{{SQUARE}}}\n')
+    points = world_points(bare(tmp_path / "a.usda"))
+    np.testing.assert_allclose(np.ptp(points, axis=0), [0.02, 0.01, 0.0], atol=1e-9)
 
 
 @pytest.mark.parametrize(
