@@ -18,7 +18,8 @@ integrator: {type: path, max_depth: %d, caustics: %s}
 bsdfs:
   floor: {type: diffuse, reflectance: 0.7}
   dim: {type: diffuse, reflectance: 0.01}
-  glass: {type: dielectric, int_ior: 1.5, attenuation_color: [0.5, 0.8, 1], attenuation_distance: 0.1}
+  glass:
+    {type: dielectric, int_ior: 1.5, attenuation_color: [0.5, 0.8, 1], attenuation_distance: 0.1}
   mirror: {type: mirror, reflectance: 0.8}
   plastic: {type: plastic}
   black: {type: diffuse, reflectance: 0}
