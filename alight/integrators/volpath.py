@@ -130,7 +130,7 @@ def step(program):
     reach_lamp = write_reach_lamp(found_weight, nulls, NO_LISTENERS, without)
     add_direct_light = _write_add_direct_light(chosen_weight, by_light, guided)
     guided_scatter = write_guided_scatter(roulette, sample_anywhere, evaluate_anywhere)
-    refracting = refracts(program)
+    end_dim_paths = _write_end_dim_paths(refracts(program), guided)
     hides = program.option("hide_emitters", False)
 
     @kernel
@@ -222,14 +222,7 @@ def step(program):
         if roulette:
             # The weight of a channel alone may be large.
             brightness = largest / mean(path.ours)
-            if refracting:
-                # A path in glass is not dim: it regains on the way out what it lost on the way in.
-                gathered = concentration(scene, surface, wi)
-                brightness = brightness * where(scattered, 1.0, gathered)
-            if guided:
-                vertex = play_beside_guide(settings, vertex, dimension, brightness, here.gain)
-            else:
-                vertex = play_roulette(settings, vertex, dimension, brightness)
+            vertex = end_dim_paths(scene, settings, vertex, place, wi, brightness, here)
         walk = begin_walks(scene, vertex, surface, met)
         vertex = walk_through(scene, vertex, walk)
         going = vertex.active | passing
@@ -237,6 +230,27 @@ def step(program):
         return replace(path, sampler=on.sampler, active=going, rays=vertex.rays)
 
     return volpath_step
+
+
+# ---------------------------------------------------------------- roulette
+
+
+def _write_end_dim_paths(refracting, guided):
+    """``(scene, settings, path, vertex, wi, brightness, here) -> path``: roulette."""
+
+    @kernel
+    def end_dim_paths(scene, settings, path, vertex, wi, brightness, here):
+        if refracting:
+            # A path in glass is not dim: it regains on the way out what it lost on the way in.
+            gathered = concentration(scene, vertex.surface, wi)
+            brightness = brightness * where(vertex.scattered, 1.0, gathered)
+        if guided:
+            path = play_beside_guide(settings, path, vertex.dimension, brightness, here.gain)
+        else:
+            path = play_roulette(settings, path, vertex.dimension, brightness)
+        return path
+
+    return end_dim_paths
 
 
 # ---------------------------------------------------------------- light

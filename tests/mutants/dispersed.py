@@ -8,7 +8,7 @@ DISPERSED = (
     Mutant(
         "weights of a wavelength at every surface",
         "integrators/dispersed.py",
-        (("active & ~path.monochromatic & (", "active & ("),),
+        (("first = active & ~path.monochromatic &", "first = active &"),),
         f"{TESTS}::test_white_glass_is_white",
     ),
     Mutant(

@@ -48,7 +48,7 @@ MANIFOLDS = (
     Mutant(
         "glass on the way to a lamp that takes no light",
         "integrators/specular_chain.py",
-        (("beta = where(met, beta * share, beta)", "pass"),),
+        (("beta, bodies = ray.beta, ray.bodies", "bodies = ray.bodies"),),
         SAME,
     ),
 )
