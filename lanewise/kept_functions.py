@@ -19,8 +19,6 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from numba import types
-
 from lanewise.kept_files import read_kept, write_kept
 from lanewise.machine import functions_folder
 from lanewise.numba_adapter import (
@@ -31,7 +29,7 @@ from lanewise.numba_adapter import (
     bare_descriptor,
     look_in,
 )
-from lanewise.unlinked import Unlinked, link, takes_kernels, unlinked
+from lanewise.unlinked import Unlinked, description, link, takes_kernels, unlinked
 
 #: Functions of the same text and for the same arguments, whose callees have other types.
 VARIANTS = 4
@@ -135,12 +133,3 @@ def _unpickled(path: Path) -> Any:
         return pickle.loads(kept[1])
     except Exception:  # whatever unpickling runs into, for instance a class that has moved
         return None
-
-
-def description(kind: Any) -> str:
-    """A type as far as code depends on it: of a record, also what its fields are called."""
-    if isinstance(kind, types.BaseTuple):
-        record = getattr(kind, "instance_class", tuple)
-        name = f"{record.__module__}.{record.__qualname__}{getattr(record, '_fields', '')}"
-        return f"{name}({', '.join(map(description, kind))})"
-    return f"{type(kind).__qualname__} {kind}"

@@ -31,8 +31,9 @@ class Call(NamedTuple):
         What the text calls the kernel.
     arguments, keywords : tuple, dict
         Types that were asked about.
-    accepted, result
-        Types of the function that is called.
+    signature : str
+        What the function that is called takes and gives, with the names of fields: types alone are
+        the same where a record's fields have been renamed or swapped.
     symbol : str
         Its name in LLVM IR.
     """
@@ -40,8 +41,7 @@ class Call(NamedTuple):
     name: str
     arguments: tuple
     keywords: dict
-    accepted: tuple
-    result: Any
+    signature: str
     symbol: str
 
 
@@ -96,8 +96,7 @@ def unlinked(compiled: Any, function: FunctionType, digest: str) -> Unlinked | N
         calls.append(
             Call(
                 names[id(kernel)], arguments, keywords,
-                accepted=answer.args,
-                result=answer.return_type,
+                signature=_signature(answer),
                 symbol=callee.fndesc.llvm_func_name,
             )
         )  # fmt: skip
@@ -134,7 +133,7 @@ def link(found: Unlinked, function: FunctionType, digest: str, target_context: A
             answer = asked.get_call_type(kernel.typingctx, call.arguments, call.keywords)
         except TypingError:
             return None
-        if answer is None or (answer.args, answer.return_type) != (call.accepted, call.result):
+        if answer is None or _signature(answer) != call.signature:
             return None
         callee = kernel.overloads[answer.args]
         libraries.append(callee.library)
@@ -156,6 +155,10 @@ def link(found: Unlinked, function: FunctionType, digest: str, target_context: A
     return as_compiled(descriptor, library, target_context)
 
 
+def _signature(answer: Any) -> str:
+    return " ".join(map(description, (*answer.args, answer.return_type)))
+
+
 def _rename(module: llvm.ModuleRef, renamed: Callable[[str], str]) -> None:
     symbols = [*module.functions, *module.global_variables]
     names = [renamed(symbol.name) for symbol in symbols]
@@ -174,6 +177,15 @@ def takes_kernels(arguments: Iterable[Any]) -> bool:
         or (isinstance(kind, types.BaseTuple) and takes_kernels(kind))
         for kind in arguments
     )
+
+
+def description(kind: Any) -> str:
+    """A type as far as code depends on it: of a record, also what its fields are called."""
+    if isinstance(kind, types.BaseTuple):
+        record = getattr(kind, "instance_class", tuple)
+        name = f"{record.__module__}.{record.__qualname__}{getattr(record, '_fields', '')}"
+        return f"{name}({', '.join(map(description, kind))})"
+    return f"{type(kind).__qualname__} {kind}"
 
 
 def kernels_named(function: FunctionType) -> dict[str, Any]:

@@ -216,6 +216,42 @@ def test_text_is_linked_with_other_callees_only_where_they_fit(
     assert sections_of(instantiate(both, program).compile_for((table(),))) == sections_of(linked)
 
 
+def pair_of(fields):
+    """A record that is always found under the same name."""
+    kind = namedtuple("Pair", fields)
+    kind.__module__ = __name__
+    return kind
+
+
+Pair = pair_of("a b")
+
+
+@kernel
+def make_pair(x):
+    """A record, by the names of its fields."""
+    return Pair(a=x, b=x + x)
+
+
+@kernel
+def difference(table):
+    """Read a record that another kernel has made."""
+    pair = make_pair(load_lanes(table, 0))
+    store_lanes(table, 0, pair.b - pair.a)
+
+
+def test_text_is_not_linked_with_a_record_whose_fields_are_elsewhere(folder, monkeypatch):
+    """The types are those that they were, and the fields' places are in the text's code."""
+    x = table().array[: lanes_of_machine()].copy()
+    for fields in ("a b", "b a"):
+        monkeypatch.setattr(jit, "_SHARED", {})
+        monkeypatch.setitem(globals(), "Pair", pair_of(fields))
+        numbers = table()
+        made = instantiate(difference, ())
+        made.compile_for((table(),))
+        made(numbers)
+        np.testing.assert_allclose(numbers.array[: len(x)], x, rtol=1e-6)
+
+
 @kernel
 def applied(x, operation):
     """Call what is given."""
@@ -353,7 +389,7 @@ def test_texts_of_which_no_digest_can_be_made_are_not_kept(folder):
 def test_fields_of_records_are_in_the_description_of_a_type():
     from numba import typeof
 
-    from lanewise.kept_functions import description
+    from lanewise.unlinked import description
 
     turned = namedtuple("Pair", "b a")
     kinds = [Pair(1, 2.0), turned(1, 2.0), (1, 2.0), Pair(1, 2), Pair((1,), 2.0), 1, np.float32(1)]

@@ -115,8 +115,15 @@ COMPILER = (
     Mutant(
         "text linked with callees of other types",
         "unlinked.py",
-        (("!= (call.accepted, call.result)", "!= (answer.args, answer.return_type)"),),
+        (("or _signature(answer) != call.signature", ""),),
         f"{FITTING}[another-type]",
+        "lanewise",
+    ),
+    Mutant(
+        "text linked with a record whose fields have changed places",
+        "unlinked.py",
+        (("map(description, (*answer.args", "map(str, (*answer.args"),),
+        f"{KEPT}::test_text_is_not_linked_with_a_record_whose_fields_are_elsewhere",
         "lanewise",
     ),
     Mutant(
@@ -159,7 +166,7 @@ COMPILER = (
     ),
     Mutant(
         "records that are told apart by their names alone",
-        "kept_functions.py",
+        "unlinked.py",
         (("{getattr(record, '_fields', '')}", ""),),
         "tests/lanewise/test_kept_functions.py"
         "::test_fields_of_records_are_in_the_description_of_a_type",
