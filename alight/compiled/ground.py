@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 import numpy as np
 
 from alight.compiled.program import Program
 from alight.compiled.shapes import CompiledShapes
 from alight.core.errors import Issue, SceneError
-from alight.lights.ground import Ground, measured_ground
+from alight.lights.ground import POINTS, Ground, measured_ground
 from alight.scene.flatten import FlatScene
 
 _WHAT = 'shadows are caught (background "shadow", layer "shadow")'
@@ -33,5 +35,9 @@ def ground_of(flat: FlatScene, shapes: CompiledShapes, program: Program, tables:
         issues.append(Issue("nodes", f"{_WHAT} below finite shapes; there are none"))
     if issues:
         raise SceneError(issues[:1])
+    if program.motion:
+        # Lamps that move count nothing here, whatever the time; their kernels ask for one.
+        now = namedtuple("Now", (*tables._fields, "time"))  # type: ignore[attr-defined]
+        tables = now(*tables, np.zeros(POINTS, np.float32))
     point = np.array([shapes.center[0], shapes.lowest, shapes.center[2]])
     return measured_ground(program, tables, point)

@@ -26,12 +26,11 @@ def once(
         What else the result depends on.
     make : callable
     """
+    if any(array.flags.writeable for array in arrays):
+        return make()
     key = (*map(id, arrays), other)
-    if key in known:
-        return known[key]
-    found = make()
-    if not any(array.flags.writeable for array in arrays):
-        known[key] = found
+    if key not in known:
+        known[key] = make()
         for array in arrays:
             weakref.finalize(array, known.pop, key, None)
-    return found
+    return known[key]

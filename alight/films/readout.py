@@ -179,7 +179,8 @@ def cover_of(film: Film) -> tuple[np.ndarray | None, np.ndarray | None]:
 def alpha_error_of(film: Film) -> np.ndarray | None:
     """Standard error of alpha, float32, shape (h, w), as of independent samples.
 
-    That of samples that are spread evenly is smaller. None where alpha is, NaN below two samples.
+    That of samples that are spread evenly is smaller. None where alpha is, NaN below two samples;
+    too small for filters with negative lobes, unless shadows are caught.
     """
     alpha = alpha_of(film)
     if alpha is None:

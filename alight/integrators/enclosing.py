@@ -206,6 +206,12 @@ def _nothing_kept():
 # ---------------------------------------------------------------- where paths begin
 
 
+@specialised
+def empty_space(program):
+    """``empty_space()``: the `Bodies` of rays that are in none, or ()."""
+    return no_bodies if absorbs(program) else _nothing_kept
+
+
 @kernel
 def _may_be_inside(scene, p):
     box = scene.materials.bodies.box

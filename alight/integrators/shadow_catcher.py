@@ -28,6 +28,7 @@ from alight.core.constants import INFINITY, gamma
 from alight.core.vec import Vec3
 from alight.integrators.aov import add_layer
 from alight.integrators.coverage import write_cover
+from alight.integrators.enclosing import empty_space
 from alight.integrators.moments import at_times_of
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
@@ -122,7 +123,8 @@ def _write_kept_away(program):
         o = spawn_origin(p, error, Vec3(lanes(0.0), lanes(1.0), lanes(0.0)), wi)
         if holes:
             most, rays = lanes_u32(0) + UNLIMITED, as_int(0)
-            share, _, _ = come_through_holes(scene, o, wi, end, most, mask, rays)
+            ray = o, wi, end, empty_space()
+            share, _, _, _ = come_through_holes(scene, ray, most, mask, rays)
             return where(mask, 1.0 - share, 0.0)
         return where(is_occluded(scene, o, wi, end, mask) & mask, 1.0, 0.0)
 

@@ -20,12 +20,12 @@ surroundings, and none was seen, they are taken to be so: a gamma prior, whose w
 probability of so many samples or more. It says nothing about how much pixels differ among
 themselves.
 
-Filters with negative lobes give samples of both signs, and these cancel: a pixel may be black and
-as noisy as a bright one, which no log-normal distribution knows. A black pixel's B is negative half
-the time, whatever A saw, so twice the :math:`s / \epsilon` of all pixels whose B is negative has
-the expectation of what black pixels add to the sum, or more, since bright ones can be negative too.
-Anything from nothing to that may be missing: a uniform distribution of log(value), whose mean
-square is a third of the square of its end.
+Filters with negative lobes, and glass that disperses light, give samples of both signs, and these
+cancel: a pixel may be black and as noisy as a bright one, which no log-normal distribution knows. A
+black pixel's B is negative half the time, whatever A saw, so twice the :math:`s / \epsilon` of all
+pixels whose B is negative has the expectation of what black pixels add to the sum, or more, since
+bright ones can be negative too. Anything from nothing to that may be missing: a uniform
+distribution of log(value), whose mean square is a third of the square of its end.
 """
 
 from __future__ import annotations

@@ -76,7 +76,8 @@ def prepare(scene: Any, options: RenderOptions) -> Prepared:
         text = "{part} makes a film to be merged: give {output} FILE.alight"
         raise OptionError(text, names=("part", "output"))
     description = _described(scene, options.changed(plugins=()))
-    useless = targets.useless(options.aovs) if options.output else []
+    asked = [name for name in options.aovs if name not in options.layers_of_background]
+    useless = targets.useless(asked) if options.output else []
     layers = options.aovs
     if options.denoise:
         layers = tuple(dict.fromkeys([*layers, *FEATURES.values()]))

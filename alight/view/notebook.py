@@ -2,7 +2,8 @@
 
 ::
 
-    live = alight.view("cornell-box", spp=256)   shown below the cell, which ends at once
+    live = alight.view("cornell-box", spp=256)
+    live                                         shown below the cell, which ends at once
     film = live.wait()                           the film of `alight.render`, bit for bit
 
 Where anywidget is installed and the notebook shows widgets, a picture refines beside its error, the
@@ -13,6 +14,8 @@ from time to time and at the end.
 
 from __future__ import annotations
 
+import html
+import logging
 import math
 import threading
 import time
@@ -32,6 +35,8 @@ from alight.rendering import Progress
 from alight.rendering.render import Prepared, prepare
 from alight.rendering.writing import finish
 from alight.view import protocol
+
+_LOG = logging.getLogger("alight")
 
 #: Largest share of the time for frames and errors, and the least seconds between static pictures.
 _SHARE, _STATIC_EVERY = 0.1, 1.0
@@ -123,7 +128,10 @@ class LiveFilm:
 
     def _repr_html_(self) -> str:
         """Show the picture as it is now."""
-        return html_of(self.film, self._display) if self._has_samples else f"<p>{self._text}</p>"
+        said = f"<p>{html.escape(self._text)}</p>"
+        if not self._has_samples:
+            return said
+        return html_of(self.film, self._display) + (said if self._problem is not None else "")
 
     def _ipython_display_(self) -> None:
         """Show it below a cell, and again whenever there is more to see."""
@@ -152,31 +160,38 @@ class LiveFilm:
         except BaseException as problem:
             self._problem, self._text = problem, f"{type(problem).__name__}: {problem}"
         finally:
-            self._paint()
-            self._tell("done", 1.0)
+            self._show("done", 1.0)
             self._done.set()
             self._show_still()
 
     def _take(self, progress: Progress) -> None:
         """A report of the main loop."""
+        self.film = progress.film or self.film
         own = self._prepared.options.progress
         if own is not None:
             own(progress)
-        self.film = progress.film or self.film
         begin = time.perf_counter()
         if progress.phase != "render":
             self._text = "compiling kernels (first run only)"
-            self._tell(progress.phase, None)
+            self._show(progress.phase, None)
         elif begin >= self._next:
             share = _share(progress, self._prepared.options)
             self._text = _words(progress, share)
-            self._paint()
-            self._tell("render", share)
+            self._show("render", share)
             if self._widget is None and begin >= self._next_static:
                 self._show_still()
                 self._next_static = time.perf_counter() + _STATIC_EVERY
             now = time.perf_counter()
             self._next = now + (now - begin) * (1.0 / _SHARE - 1.0)
+
+    def _show(self, phase: str, share: float | None) -> None:
+        """Picture and progress for the page; one that is lost does not cost the film."""
+        try:
+            self._paint()
+            self._tell(phase, share)
+        except Exception as problem:
+            _LOG.warning("the picture in the notebook is not shown any more: %s", problem)
+            self._widget = None
 
     def _paint(self) -> None:
         if self._widget is None or self.film is None or not self._has_samples:

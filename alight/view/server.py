@@ -157,7 +157,8 @@ async def _send(socket: WebSocket, mailbox: Mailbox) -> None:
 def _attachment(stem: str, suffix: str) -> str:
     """Name a file for the browser: in ASCII, and as it is (RFC 6266)."""
     plain = "".join(c for c in stem if c.isascii() and (c.isalnum() or c in "-_")) or "alight"
-    return f"attachment; filename=\"{plain}{suffix}\"; filename*=UTF-8''{quote(stem + suffix, '')}"
+    whole = quote(stem + suffix, "", errors="replace")
+    return f"attachment; filename=\"{plain}{suffix}\"; filename*=UTF-8''{whole}"
 
 
 def _saved(session: Session, name: str) -> bytes:

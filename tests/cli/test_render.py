@@ -159,6 +159,10 @@ def test_options_without_effect_are_warned_of(alight):
     result = alight("render", *SMALL, "-o", "a.npy", "--tone-map", "aces", "--aov", "direct")
     assert "--exposure, --white-balance, --tone-map and --bits change" in result.stderr
     assert "--aov: only EXR keeps layers" in result.stderr
+    quiet = alight(
+        "render", "material-ball", "--size", "8x8", "--background", "transparent", "-o", "a.png"
+    )
+    assert "--aov" not in quiet.stderr
 
 
 # ---------------------------------------------------------------------------- Ctrl-C

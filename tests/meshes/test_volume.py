@@ -24,3 +24,14 @@ def test_a_card_with_two_faces_encloses_nothing_however_it_is_turned(seed):
     front = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
     faces = np.concatenate([front, front[:, ::-1]])
     assert enclosed_volume(card.astype(np.float32), faces) == 0.0
+
+
+def test_numbers_that_were_changed_are_read_again():
+    """The volume is kept for arrays that cannot change, and those that could once."""
+    corners, sides = CORNERS.copy(), SIDES.copy()
+    for array in (corners, sides):
+        array.setflags(write=False)
+    before = enclosed_volume(corners, sides)
+    corners.setflags(write=True)
+    corners *= 2.0
+    assert enclosed_volume(corners, sides) == pytest.approx(8.0 * before)

@@ -118,6 +118,12 @@ def test_the_light_of_surroundings_is_known():
         compiled = compile_scene(flatten(loads(text + DISK)), aovs=(SHADOW,))
         assert compiled.ground.height == pytest.approx(0.0, abs=1e-8)
         assert compiled.ground.sky == pytest.approx(expected, rel=1e-3)
+    moving = """  lamp:
+    light: {type: point}
+    transform: {keyframes: [{time: 0, translate: [0, 3, 0]}, {time: 1, translate: [1, 3, 0]}]}
+"""
+    compiled = compile_scene(flatten(loads(DOME + DISK + moving)), aovs=(SHADOW,))
+    assert compiled.ground.sky == pytest.approx(np.pi * Y, rel=1e-3)
     sun = "environment: {type: sun, sun_direction: [1, 1, 0], diameter: %s}\n"
     small, large = (
         compile_scene(flatten(loads(sun % size + DISK)), aovs=(SHADOW,)).ground.sky

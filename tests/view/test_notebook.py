@@ -99,6 +99,28 @@ def test_what_is_wrong_is_said_at_once_or_at_the_end():
     assert "no more" in repr(live)
 
 
+def test_a_failure_is_shown_below_the_picture():
+    def fail(report):
+        if report.done_samples:
+            raise RuntimeError("no <b>more</b>")
+
+    live = alight.view("cornell-box", progress=fail, **SMALL)
+    with pytest.raises(RuntimeError, match="no"):
+        live.wait()
+    assert live.film.sample_count.any()
+    assert "<p>RuntimeError: no &lt;b&gt;more&lt;/b&gt;</p>" in live._repr_html_()
+
+
+def test_a_page_that_is_lost_does_not_cost_the_film(monkeypatch):
+    class Closed:
+        def __setattr__(self, name, value):
+            raise OSError("closed")
+
+    monkeypatch.setattr(notebook, "_widget", lambda stop: Closed())
+    film = alight.view("cornell-box", **SMALL).wait()
+    np.testing.assert_array_equal(film.sums, alight.render("cornell-box", **SMALL).sums)
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 def test_its_module_draws_and_stops_in_a_browser():
     rgba = np.zeros((2, 3, 4), np.uint8)

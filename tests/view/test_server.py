@@ -156,7 +156,7 @@ def test_what_is_saved_is_what_is_shown(client, picture):
 @pytest.mark.parametrize(("title", "plain", "whole"), [
     ("my ramp.exr", "myramp", "my%20ramp"),
     ("сцена.exr", "alight", "%D1%81%D1%86%D0%B5%D0%BD%D0%B0"),
-    ('a"b;c.exr', "abc", "a%22b%3Bc"),
+    ('a"b;c.exr', "abc", "a%22b%3Bc"), ("a\udcff.exr", "a", "a%3F"),
 ])  # fmt: skip
 def test_a_saved_file_has_the_name_of_the_scene(client, picture, title, plain, whole):
     picture.title = title
