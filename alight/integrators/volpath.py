@@ -243,7 +243,7 @@ def _write_end_dim_paths(refracting, guided):
         if refracting:
             # A path in glass is not dim: it regains on the way out what it lost on the way in.
             gathered = concentration(scene, vertex.surface, wi)
-            brightness = brightness * where(vertex.scattered, 1.0, gathered)
+            brightness = brightness * where(vertex.collided, 1.0, gathered)
         if guided:
             path = play_beside_guide(settings, path, vertex.dimension, brightness, here.gain)
         else:

@@ -55,6 +55,9 @@ def _volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
 
 def is_closed(*meshes: Any) -> bool:
     """Whether the triangles of meshes, of arrays, together enclose a volume and face outwards."""
+    if len(meshes) == 1:
+        # Its own arrays, of which it may be known.
+        return enclosed_volume(meshes[0].vertices, meshes[0].faces) > 0.0
     vertices = [np.asarray(mesh.vertices) for mesh in meshes]
     starts = np.cumsum([0, *(len(points) for points in vertices)])
     faces = [np.asarray(mesh.faces) + start for mesh, start in zip(meshes, starts, strict=False)]
