@@ -104,14 +104,14 @@ def _write_see_surroundings(program, show):
 
     @kernel
     def see_surroundings(scene, settings, e, numbers, new):
-        sampler, _, _, around = numbers
+        sampler, _, _, bodies = numbers
         depth, wi = lanes_u32(0), -e.d
         c = connect_far_camera(scene, wi, lens_numbers(sampler, depth))
         density = e.choice * arriving_pdf(scene, e.p, wi)
         around = new & is_around(scene, e.light, count) & (density > 0.0)
         value = environment_radiance(scene, wi) * (c.importance / where(around, density, 1.0))
         # From the camera outwards: at its other end the ray has no place to start from.
-        back = (sampler, depth, replace(c, w=wi), c.o, around)
+        back = (sampler, depth, replace(c, w=wi), c.o, bodies)
         return show(scene, settings, back, lanes(INFINITY), around, value)
 
     return see_surroundings

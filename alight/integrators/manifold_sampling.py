@@ -40,6 +40,7 @@ from alight.core.maths import pow
 from alight.core.rng import sample_keys
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.body_walk import enters_body
+from alight.integrators.dispersed import meet_dispersion
 from alight.integrators.manifold_search import PAIRS, Begin, Search, search_lamps
 from alight.integrators.manifold_walk import place_near
 from alight.integrators.moments import at_times_of
@@ -145,10 +146,8 @@ def write_add_caustics(listeners):
         if any_lane(given | looking):
             factor, total = lanes_vec3(0.0), lanes(0.0)
             number, made = lanes_u32(0), lanes(0.0)
-            # Chains start where the light came from: no boundary of a body is crossed.
-            search = Search(
-                surface, wo, path.bodies, Target(lamp, c, radius), stream, lanes_u32(OWN_PAIRS)
-            )
+            target, first = Target(lamp, c, radius), lanes_u32(OWN_PAIRS)
+            search = Search(surface, wo, path.d, path.bodies, target, stream, first)
             begin = Begin(
                 looking, given, lanes_mask(False), path.chain.o, path.chain.d, path.chain.type
             )
@@ -185,7 +184,8 @@ def write_add_caustics(listeners):
                     if any_lane(lit):
                         f_cos, _ = evaluate_bsdf(scene, surface, wo, to_local(surface, w), lit)
                         per_search = 1.0 / (probability * chosen * where(lit, most, 1.0))
-                        factor = path.beta * f_cos * result.found * per_search
+                        beta = meet_dispersion(scene, surface, path, lit).beta
+                        factor = beta * f_cos * result.found * per_search
                         lit = lit & (max_component(absolute_vec3(factor)) > 0.0)
                         factor = where(lit, factor, lanes_vec3(0.0))
                     waiting, repeating = mask_bits(lit), True

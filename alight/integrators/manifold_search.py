@@ -21,6 +21,7 @@ from alight.core.vec import length, max_component, normalize
 from alight.core.warps import direction_around_z
 from alight.integrators.body_walk import enters_body
 from alight.integrators.chain_types import MOST_EVENTS
+from alight.integrators.enclosing import bodies_beyond
 from alight.integrators.manifold_walk import (
     LEAST_SHARE,
     MOST_TRIES,
@@ -65,9 +66,10 @@ LEAST_STEP, MOST_STEP = 1e-4, 1e-2
 #: Part of the seeds that go about the lamp and not as the BSDF has it, and how near at least.
 AIMED, LEAST_TURN = 0.5, 1e-7
 
-#: What is looked for, and from where. surface, wo: as of `sample_bsdf`; bodies: those around it,
-#: `Bodies` or (); target: `Target`; stream: `Stream`; first: u32, the first pair of the search.
-Search = namedtuple("Search", "surface wo bodies target stream first")
+#: What is looked for, and from where. surface, wo: as of `sample_bsdf`; d, bodies: the ray that
+#: has come there, and the `Bodies` that it came in, or (); target: `Target`; stream: `Stream`;
+#: first: u32, the first pair of the search.
+Search = namedtuple("Search", "surface wo d bodies target stream first")
 
 #: How a search begins. seed, given: masks; once: mask, the first solution is all; o, w: Vec3, ray
 #: of those that are given; type: `Type`, of those that are given, and asked for `once`.
@@ -134,7 +136,8 @@ def search_lamps(scene, search, begin):
         v = walker.v + where(trying, walker.share * walker.dv, where(at_v, h, 0.0))
         w = direction_at(walker, u, v)
         plan = Plan(type, stage == SEED, stage == HIT, search.stream, search.first + OWN_PAIRS)
-        seen = follow(scene, Start(o, w, search.bodies), target, plan, stage != ENDED)
+        around = bodies_beyond(scene, search.bodies, search.surface, search.d, w)
+        seen = follow(scene, Start(o, w, around), target, plan, stage != ENDED)
         rays += seen.rays
         fine, going = seen.fine, lanes_mask(False)
 

@@ -6,7 +6,7 @@ from collections import namedtuple
 
 from alight.accel import is_occluded
 from alight.bsdfs.switch import has_null
-from alight.core.vec import max_component
+from alight.core.vec import absolute_vec3, max_component
 from alight.filters.splatting import choose_pixel
 from alight.integrators.enclosing import dimmed, left_along
 from alight.integrators.shadow_rays import come_through_holes
@@ -34,7 +34,7 @@ def write_show(program):
     @kernel
     def show(scene, settings, at, end, lit, value):
         sampler, depth, c, o, bodies = at
-        lit = lit & c.visible & ~(max_component(value) <= 0.0)
+        lit = lit & c.visible & ~(max_component(absolute_vec3(value)) <= 0.0)
         u2 = get_2d(sampler, vertex_dimension(depth + 1) + PIXEL)
         x, across = choose_pixel(scene, where(lit, c.x, 0.0), u2[0])
         y, down = choose_pixel(scene, where(lit, c.y, 0.0), u2[1])

@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 TESTS = "tests/estimators/test_caustics.py"
+GLASS = "tests/estimators/test_caustics_at_glass.py::test_caustics_are_those_that_paths_find"
 SAME = f"{TESTS}::test_caustics_are_those_that_paths_find"
 WATER, PANE = (
     f"{TESTS}::test_a_small_lamp_lights_the_ground[{name}]" for name in ("water", "pane")
@@ -50,5 +51,24 @@ MANIFOLDS = (
         "integrators/specular_chain.py",
         (("beta, bodies = ray.beta, ray.bodies", "bodies = ray.bodies"),),
         SAME,
+    ),
+    Mutant(
+        "chains that start in the body that the path came in",
+        "integrators/manifold_search.py",
+        (("bodies_beyond(scene, search.bodies, search.surface, search.d, w)", "search.bodies"),),
+        f"{GLASS}[out of coloured glass]",
+    ),
+    Mutant(
+        "caustics at glass that disperses light, in no colour",
+        "integrators/manifold_sampling.py",
+        (("meet_dispersion(scene, surface, path, lit).beta", "path.beta"),),
+        f"{GLASS}[through glass that disperses light]",
+    ),
+    Mutant(
+        "splats that are negative in their only channel dropped",
+        "integrators/splats.py",
+        (("max_component(absolute_vec3(value)) <= 0.0", "max_component(value) <= 0.0"),),
+        "tests/estimators/test_light_through_glass.py"
+        "::test_light_paths_agree_with_camera_paths[a red lamp]",
     ),
 )

@@ -74,6 +74,9 @@ def run_tests(folder: Path, cache: Path, *tests: str) -> subprocess.CompletedPro
     # A run that is stuck says where, before the time of the test around it is over.
     command = [sys.executable, "-X", "faulthandler", "-m", "pytest", *options]
     command += ["-o", "faulthandler_timeout=200", "-o", "timeout=0", *tests]
+    if all("::" in test for test in tests):
+        # Named, so meant, be they proofs or not.
+        command += ["-m", "proofs or not proofs"]
     # In a session of its own: a bug that signals its group, and what a stuck test has started, end
     # with it and reach nobody else.
     with subprocess.Popen(
