@@ -270,6 +270,7 @@ class Graph(ModelScene):
     ) -> dict[str, Data]:
         """The parts of a mesh, each with its material."""
         found: list[tuple[Any, Surface, Item]] = []
+        asked: list[tuple[int | None, int]] = []
         parts: dict[str, Data] = {}
         self.document.report.count("meshes")
         for number, primitive in enumerate(mesh.objects("primitives")):
@@ -285,11 +286,12 @@ class Graph(ModelScene):
                 continue
             self._surfaces[id(shape)] = material
             found.append((shape, material, primitive))
-            parts[f"primitive {number}"] = {"shape": shape, "bsdf": (index, channels)}
-        for part, (_, material, _), closed in zip(
-            parts.values(), found, have_insides(found), strict=True
+            parts[f"primitive {number}"] = {"shape": shape}
+            asked.append((index, channels))
+        for part, (_, material, _), (index, channels), closed in zip(
+            parts.values(), found, asked, have_insides(found), strict=True
         ):
-            part |= {"bsdf": self._bsdf(*part["bsdf"], closed), **material.light}
+            part |= {"bsdf": self._bsdf(index, channels, closed), **material.light}
         return parts
 
     def _bsdf(self, index: int | None, channels: int, closed: bool) -> str:
