@@ -4,7 +4,7 @@ r"""Smooth metal: a mirror whose reflectance follows Fresnel's equations.
     \text{weight} = \rho F(\cos\theta_o;\, \eta + i k)
 
 eta + i k is the complex index of refraction against the medium outside (air), one per channel.
-One Dirac lobe; black from behind.
+One delta lobe; black from behind.
 
 Source: PBR4 sections 9.3.6 and 9.4. The table `METALS` holds measured spectra: Johnson and Christy
 1974 (Phys. Rev. B 9) for cobalt, iron, palladium and titanium; for the others those of Palik,

@@ -4,7 +4,7 @@ r"""Smooth dielectric (glass, water): perfectly specular reflection and refracti
     \text{reflect with probability } F(\cos\theta_o; \eta), \qquad
     \text{refract with } 1 - F, \qquad \eta = \eta_\text{int} / \eta_\text{ext}
 
-Two Dirac lobes. Beyond the critical angle F = 1: total internal reflection. Refracted radiance is
+Two delta lobes. Beyond the critical angle F = 1: total internal reflection. Refracted radiance is
 scaled by 1 / eta^2, because the beam's solid angle changes. `int_ior` lies on the side that the
 normal points away from.
 

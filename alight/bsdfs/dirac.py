@@ -1,4 +1,4 @@
-"""Models of Dirac lobes only, whose directions only sampling can find."""
+"""Models of delta lobes only, whose directions only sampling can find."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ from lanewise.simd import lanes, lanes_vec3
 
 @kernel
 def evaluate(params, wo, wi):
-    """(0, 0): directions that were not sampled from a Dirac lobe never lie in it."""
+    """(0, 0): directions that were not sampled from a delta lobe never lie in it."""
     return lanes_vec3(0.0), lanes(0.0)

@@ -7,7 +7,7 @@ lanes has another one:
 
 .. math:: f = \sum_i s_i f_i, \qquad p = \sum_i s_i p_i
 
-To sample, one model is chosen with its share as probability; then, unless its lobe is Dirac's, the
+To sample, one model is chosen with its share as probability; then, unless it is a delta lobe, the
 others are evaluated for the direction too.
 
 `materials.layers` holds (start, count) for each material, and from `start` on, for each of its
@@ -145,7 +145,7 @@ def _sample_layers(scene, surface, wo, u, u2, active):
     row, share, rest = _choose_layer(scene, surface, u, active)
     found = sample_row(scene, surface, row, wo, rest, u2, active)
     found = replace(found, pdf=found.pdf * share)
-    # Of a Dirac lobe the share cancels: share * f / (share * pmf). A smooth direction might have
+    # Of a delta lobe the share cancels: share * f / (share * pmf). A smooth direction might have
     # come from the other models too.
     layered = active & (_count(scene, surface) > 1)
     smooth = layered & ((found.flags & DELTA) == 0) & (found.pdf > 0.0)
@@ -215,7 +215,7 @@ def _open_layers(scene, surface, active):
 
 @specialised
 def is_mixed(program):
-    """``(scene, surface) -> mask``: the material may have both Dirac and smooth lobes."""
+    """``(scene, surface) -> mask``: the material may have both delta and smooth lobes."""
     return _is_mixed if DELTA_AND_SMOOTH in program.bsdfs else _never_mixed
 
 

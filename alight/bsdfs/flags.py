@@ -7,5 +7,5 @@ DELTA = 4
 #: Straight on through a surface that is not there.
 NULL = 8
 
-#: What programs call a material with both Dirac and smooth lobes.
+#: What programs call a material with both delta and smooth lobes.
 DELTA_AND_SMOOTH = "delta_and_smooth"

@@ -2,7 +2,7 @@ r"""Perfect mirror: all light leaves in the mirrored direction.
 
 .. math:: \omega_i = (-\omega_{o,x}, -\omega_{o,y}, \omega_{o,z}), \qquad \text{weight} = \rho
 
-One Dirac lobe, without Fresnel's dependence on the angle (for metals see `conductor`). Black from
+One delta lobe, without Fresnel's dependence on the angle (for metals see `conductor`). Black from
 behind.
 
 Source: PBR4 section 9.3.1.

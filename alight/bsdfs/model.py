@@ -29,7 +29,7 @@ class BsdfSample(NamedTuple):
     weight : Vec3
         f cos theta_i / pdf; 0 where the sample failed.
     pdf : float
-        Per steradian; of a Dirac lobe its probability.
+        Per steradian; of a delta lobe its probability.
     flags : u32
         See `alight.bsdfs.flags`.
     """

@@ -8,7 +8,7 @@ r"""Smooth plastic: a matte base under a clear smooth coat.
 
 F is Fresnel's reflectance of the coat, eta = int_ior / ext_ior, and R the part of diffuse light
 that the coat reflects back to the base. With `nonlinear`, colours get more saturated with each
-round. One Dirac lobe and one smooth one; black from behind.
+round. One delta lobe and one smooth one; black from behind.
 
 Source: the plug-in ``plastic`` of Mitsuba 3 (https://mitsuba.readthedocs.io); PBR4 section 9.3 for
 Fresnel's equations. R is exact here, where Mitsuba uses a fit (0.1 % of rho').

@@ -28,7 +28,7 @@ from lanewise.simd import (
     where,
 )
 
-#: Bits of a material's flags: the back looks like the front; both Dirac and smooth lobes; it, or a
+#: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
 #: part of it, disperses light; and from bit `RELIEF` on, the row of its normal or bump map + 1.
 TWO_SIDED, MIXED, SPREADS, RELIEF = 1, 2, 4, 3
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.

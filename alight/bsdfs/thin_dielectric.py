@@ -5,7 +5,7 @@ r"""Thin dielectric: a pane of glass so thin that light passes straight on.
     R' = R + \frac{R (1 - R)^2}{1 - R^2} = \frac{2 R}{1 + R}, \qquad T' = 1 - R'
 
 Two parallel interfaces: the second one turns light back to its old direction, and the reflections
-between both add up to a geometric series. Two Dirac lobes. The medium is the same on both sides, so
+between both add up to a geometric series. Two delta lobes. The medium is the same on both sides, so
 radiance is not scaled, and both sides look alike.
 
 Source: PBR4 section 9.5.1; Stokes 1862, On the intensity of the light reflected

@@ -28,7 +28,7 @@ the distance d,
     \mathrm{near}' = \frac{d^2}{p\, c'}, \qquad
     \mathrm{far}' = \frac{c}{p\, c'} \bigl(\mathrm{near} \oplus q\, \mathrm{far}\bigr).
 
-A vertex with a lobe of Dirac can be joined to nothing: its near' is 0, and p and q cancel. Roots
+A vertex with a delta lobe can be joined to nothing: its near' is 0, and p and q cancel. Roots
 instead of powers keep float32 from overflowing, but for edges that run along a surface without
 bounds: all quotients end at `LARGEST`, since infinity times a density of 0 would be no number.
 
@@ -102,7 +102,7 @@ def techniques_beyond(techniques, cosine, pdf, reverse, delta):
     pdf, reverse : float
         Density of the ray's direction, and of the way back, per steradian; positive.
     delta : mask
-        It was chosen by a lobe of Dirac.
+        It was chosen by a delta lobe.
     """
     per_pdf = 1.0 / pdf
     far = minimum((cosine * per_pdf) * all_behind(techniques, reverse), LARGEST)

@@ -10,7 +10,7 @@ direction :math:`\omega_l`, it goes on along :math:`\omega_o` with
 over the density of :math:`\omega_o`. Materials are evaluated as paths from the camera see them. The
 quotient of the geometric cosines is Veach's correction for shading normals: without it, the two
 directions of a path would carry different light. Flux is not concentrated in glass as radiance is:
-where a lobe of Dirac refracts, its weight's 1 / eta^2 is taken back.
+where a delta lobe refracts, the factor 1 / eta^2 of its weight is undone.
 
 Source: Veach 1997, Robust Monte Carlo methods for light transport simulation, sections 5.2 and 5.3.
 """
@@ -56,7 +56,7 @@ from lanewise.simd import absolute, any_lane, lanes, lanes_u32, where
 Arrival = namedtuple("Arrival", "surface wl per_cos")
 
 #: Where light goes on. d: unit direction; weight: factor of the flux; pdf: per steradian, `reverse`
-#: that of the way back (0 of a lobe of Dirac); flags: of `sample_bsdf`.
+#: that of the way back (0 of a delta lobe); flags: of `sample_bsdf`.
 Turn = namedtuple("Turn", "d weight pdf reverse flags")
 
 
@@ -157,7 +157,7 @@ def write_turn(program):
         if any_lane(smooth):
             f_cos, reverse = evaluate_bsdf(scene, surface, wo, wl, smooth)
             weight = where(smooth, f_cos * (corrected / where(smooth, pdf, 1.0)), weight)
-        # A lobe of Dirac has the weight of radiance, from which two cosines have cancelled.
+        # A delta lobe has the weight of radiance, from which two cosines have cancelled.
         turned = corrected * absolute(wl.z) / where(absolute(wo.z) > 0.0, absolute(wo.z), 1.0)
         if refracting:
             inside, outside = squared_index(scene, surface, wo), squared_index(scene, surface, wl)

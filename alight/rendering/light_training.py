@@ -65,7 +65,7 @@ def start_recorded(program):
 def extend_recorded(program):
     """``(scene, settings, log, path) -> path``: one more vertex, and a record of it.
 
-    There is none of vertices where only Dirac lobes scatter light, which ask no guide, and of light
+    There is none of vertices where only delta lobes scatter light, which ask no guide, and of light
     that light sampling finds.
     """
     if program.media:

@@ -19,7 +19,7 @@ from alight.scene import flatten
 from tests.rendering.light_scenes import CASES
 
 RUNS, SPP = 16, 32
-#: Without lobes of Dirac, every technique finds all light but that which the camera sees directly.
+#: Without delta lobes, every technique finds all light but that which the camera sees directly.
 MATT = (
     CASES["a lamp"]
     .replace("type: plastic", "type: diffuse")

@@ -61,7 +61,7 @@ BOTH_ENDS = (
         f"{WEIGHTS}[3-balance]",
     ),
     Mutant(
-        "a vertex with a lobe of Dirac is thought to be joined",
+        "a vertex with a delta lobe is thought to be joined",
         "integrators/connection_weights.py",
         (
             (
