@@ -147,7 +147,10 @@ def write_add_caustics(listeners):
             factor, total = lanes_vec3(0.0), lanes(0.0)
             number, made = lanes_u32(0), lanes(0.0)
             target, first = Target(lamp, c, radius), lanes_u32(OWN_PAIRS)
-            search = Search(surface, wo, path.d, path.bodies, target, stream, first)
+            search = Search(
+                surface=surface, wo=wo, d=path.d, bodies=path.bodies, target=target, stream=stream,
+                first=first,
+            )  # fmt: skip
             begin = Begin(
                 looking, given, lanes_mask(False), path.chain.o, path.chain.d, path.chain.type
             )
