@@ -43,7 +43,8 @@ def alight_renderer(arguments: argparse.Namespace) -> Render:
         image = film.image
         seconds = time.perf_counter() - start
         phases = film.stats["seconds"]
-        once = {name: phases[name] for name in ("load", "bvh", "compile")}
+        # What is kept from the render before takes no time.
+        once = {name: phases.get(name, 0.0) for name in ("load", "bvh", "compile")}
         return image, {"seconds": seconds - sum(once.values()), **once}
 
     return render
