@@ -102,24 +102,27 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     value = (precise + believed.value) / (2 * len(halvings))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
-    spread, kept = 0.0, iter(weights)
+    spread, few, kept = 0.0, _FewPixels(replicates, size), iter(weights)
     shared = SharedPaths(replicates) if seen.shares_paths and replicates >= 4 else None
     for rows, m, k in seen.bands():
         # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
+        both = np.zeros((3, 3, *known[rows].shape), np.float32)
         for a, b in _halves(m, k, halvings):
             by_a, by_b = (weight.full(believed) for weight in next(kept))
-            spread += _spread(known[rows], a, b, by_a, by_b)
+            spread += _spread(known[rows], a, b, by_a, by_b, both)
             if shared:
                 shared.add(m, np.sqrt(by_a * by_b) * known[rows])
+        few.add(both / np.float32(2 * len(halvings)))
     spread /= len(halvings)
     if shared:
         spread = max(spread, shared.spread / len(halvings) ** 2)
     if replicates < 4:
         # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
         spread *= (replicates - 1) / (replicates + 1)
+    spread = few.at_least(spread, value)
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
-    freedom = min(value * value / spread, 1e12) if spread > 0.0 else 1e12
+    freedom = few.freedom(value, spread)
     return Figure(
         value / (3.0 * float(known.sum())),
         freedom,
@@ -128,6 +131,59 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
         lowest,
         believed.rise * share,
     )
+
+
+class _FewPixels:
+    """Keeps a few pixels that carry the error from passing for many.
+
+    The products of two halves that tell the spread are close to 0 by chance where there are few of
+    them: for one pixel of R = 4 each is one of two chi-squared numbers with one degree of freedom.
+    The squares of the pixels' covariances by all replicates tell it too: they are too large where
+    tails are heavy, but never leave less than one pixel. So the spread is that of the products and
+    once their own deviation, as far as the squares say so.
+
+    Parameters
+    ----------
+    replicates, size : int
+        Of the picture, and of each half.
+    """
+
+    def __init__(self, replicates: int, size: int) -> None:
+        self._freedom, half = replicates - 1, max(size - 1, 1)
+        # Of the product of two halves' squared errors, over its mean: 8 for R = 4.
+        self._variance = (1.0 + 2.0 / half) ** 2 - 1.0
+        self._sum = self._squares = self._fourth_powers = 0.0
+
+    def add(self, covariances: np.ndarray) -> None:
+        """Add pixels: their covariances of channels, weighted, (3, 3, rows, w), d <= c."""
+        trace = np.einsum("cchw->hw", covariances)
+        square = 2.0 * np.einsum("cdhw,cdhw->hw", covariances, covariances, dtype=np.float64)
+        square -= np.einsum("cchw,cchw->hw", covariances, covariances, dtype=np.float64)
+        whole, n = trace.astype(np.float64) ** 2, self._freedom
+        # tr(Sigma^2) by normal noise (Wishart's distribution), which three channels share at best.
+        least = whole / (3.0 + 2.0 / n)
+        if n > 1:
+            square = n * n / ((n + 2.0) * (n - 1.0)) * (square - whole / n)
+            least = np.maximum(least, square)
+        self._sum += float(trace.sum(dtype=np.float64))
+        self._squares += float(least.sum())
+        self._fourth_powers += float((least * least).sum())
+
+    def at_least(self, spread: float, value: float) -> float:
+        """The sum of sigma^4, given its estimate by products and the sum of sigma^2."""
+        scale = (value / self._sum) ** 2 if self._sum > 0.0 else 0.0
+        chance = math.sqrt(self._variance * self._fourth_powers)
+        return max(spread, min(scale * self._squares, spread + scale * chance))
+
+    def freedom(self, value: float, spread: float) -> float:
+        """Degrees of freedom of a sum: (sum of sigma^2)^2 over the sum of sigma^4.
+
+        The squared sum of estimates is too large by their variance, 2 / (R - 1) times the spread.
+        """
+        if spread <= 0.0:
+            return 1e12
+        alike = value * value / spread
+        return min(max(alike - 2.0 / self._freedom, min(alike, 1.0)), 1e12)
 
 
 def _groups(height: int, width: int) -> np.ndarray:
@@ -310,11 +366,17 @@ def _inverse_square(
 
 
 def _spread(
-    known: np.ndarray, a: _Half, b: _Half, weights_a: np.ndarray, weights_b: np.ndarray
+    known: np.ndarray,
+    a: _Half,
+    b: _Half,
+    weights_a: np.ndarray,
+    weights_b: np.ndarray,
+    both: np.ndarray,
 ) -> float:
     """Sum over the known pixels of tr(W S_A W S_B), or the same pooled by cells where that is more.
 
-    Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell.
+    Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell. The
+    matrices W (S_A + S_B) are added to `both`, shape (3, 3, rows, w), on and below the diagonal.
     """
     root = np.sqrt(np.sqrt(weights_a * weights_b) * known)
     crossed = pooled = 0.0
@@ -325,5 +387,7 @@ def _spread(
             left, right = a.spread(c, d) * scale, b.spread(c, d) * scale
             crossed += twice * float(np.vdot(left, right))
             pooled += twice * (by_cells(left) * by_cells(right))
+            both[c, d] += left
+            both[c, d] += right
     pixels = by_cells(known.astype(np.float32))
     return max(crossed, float((pooled / np.maximum(pixels, 1.0)).sum()))

@@ -1,0 +1,65 @@
+"""A picture whose error is in a few pixels knows little of it, and says so."""
+
+import math
+
+import numpy as np
+import pytest
+
+from alight.metrics.own_error import estimate_relmse
+from alight.metrics.relmse import relmse
+from alight.metrics.statistics import f_quantile
+
+SHARES = {
+    "grey": np.ones((3, 3)) / math.sqrt(3.0),
+    "each channel by itself": np.eye(3),
+    "red": np.diag([1.0, 0.0, 0.0]),
+}
+
+
+def quiet_but_for(pixels, replicates, share, rng):
+    """8x8 pixels of brightness 1, some of them with normal noise of 5 %."""
+    means = np.ones((64, replicates, 3))
+    noise = rng.normal(0.0, 0.05 * math.sqrt(replicates), (pixels, replicates, 3)) @ share
+    means[rng.permutation(64)[:pixels]] += noise
+    return means.reshape(8, 8, replicates, 3).astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("pixels", "replicates", "share"),
+    [
+        (1, 4, "grey"),
+        (1, 4, "each channel by itself"),
+        (2, 4, "red"),
+        (3, 2, "grey"),
+        (1, 8, "red"),
+    ],
+)
+def test_the_interval_holds_where_few_pixels_carry_the_error(pixels, replicates, share):
+    rng = np.random.default_rng([pixels, replicates])
+    held = 0
+    for _ in range(100):
+        means = quiet_but_for(pixels, replicates, SHARES[share], rng)
+        interval = estimate_relmse(means, np.full(means.shape[:3], 4)).relmse
+        truth = relmse(means.astype(float).mean(axis=2), np.ones((8, 8, 3)))
+        held += interval.low <= truth <= interval.high
+    # Of 95 %: fewer than 88 of 100 have a probability of 0.2 %.
+    assert held >= 88
+
+
+@pytest.mark.parametrize("replicates", [2, 4, 8])
+def test_one_pixel_is_one_term_whatever_its_replicates_are(replicates):
+    """Its true error over the estimate has the distribution F(1, R - 1)."""
+    rng = np.random.default_rng(replicates)
+    for _ in range(10):
+        means = quiet_but_for(1, replicates, SHARES["grey"], rng)
+        figure = estimate_relmse(means, np.full(means.shape[:3], 4)).figure
+        # Each half divides the other's error by its own brightness: a little less than one.
+        assert 0.8 <= figure.freedom <= 1.0 + 1e-6
+        assert figure.quantile(0.975) >= figure.value * f_quantile(0.975, 1.0, replicates - 1.0)
+
+
+def test_many_alike_pixels_are_as_sure_as_their_number_makes_them():
+    rng = np.random.default_rng(5)
+    means = 1.0 + 0.05 * rng.normal(size=(48, 48, 4, 1)) * np.ones(3)
+    figure = estimate_relmse(means.astype(np.float32), np.full(means.shape[:3], 4)).figure
+    assert figure.freedom == pytest.approx(48 * 48, rel=0.12)
