@@ -30,6 +30,7 @@ from alight.metrics.planes import weighted
 from alight.metrics.shared_paths import SharedPaths
 from alight.metrics.surroundings import CELL, by_cells, spread_out
 from alight.metrics.survey import Survey, survey
+from alight.metrics.unmet_light import unmet_light
 
 #: Squared error of one half of the replicates, over the brightness squared, below which a pixel
 #: knows its own brightness.
@@ -37,6 +38,9 @@ _PRECISE = 0.02
 
 #: Least brightness of such a pixel by the other half, over that by the first.
 _GUARD = 0.5
+
+#: Normal quantile of the confidence that `unmet_light` has, 97.5 %.
+_Z = 1.96
 
 #: Above this number of pixels, one way to halve the replicates is enough.
 _LARGE = 2**16
@@ -107,8 +111,11 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     for rows, m, k in seen.bands():
         # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
         for a, b in _halves(m, k, halvings):
-            by_a, by_b = (weight.full(believed) for weight in next(kept))
-            spread += _spread(known[rows], a, b, by_a, by_b)
+            weigh_a, weigh_b = next(kept)
+            by_a, by_b = weigh_a.full(believed), weigh_b.full(believed)
+            quiet_a = _quietly(by_a, weigh_a.classes, b, np.float32(epsilon))
+            quiet_b = _quietly(by_b, weigh_b.classes, a, np.float32(epsilon))
+            spread += _spread(known[rows], a, b, quiet_a, quiet_b)
             if shared:
                 shared.add(m, np.sqrt(by_a * by_b) * known[rows])
     spread /= len(halvings)
@@ -120,13 +127,15 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = min(value * value / spread, 1e12) if spread > 0.0 else 1e12
+    relmse = value / (3.0 * float(known.sum()))
+    unmet = math.log1p(unmet_light(seen, epsilon) / relmse) / _Z
     return Figure(
-        value / (3.0 * float(known.sum())),
+        relmse,
         freedom,
         replicates,
         believed.variance * share,
         lowest,
-        believed.rise * share,
+        believed.rise * share + unmet * unmet,
     )
 
 
@@ -307,6 +316,29 @@ def _inverse_square(
     square += 1.0
     f /= square
     return f
+
+
+def _quietly(weights: np.ndarray, classes: np.ndarray, b: _Half, epsilon: np.float32) -> np.ndarray:
+    """Weights for products of both halves' errors, where `b` has told the brightness itself.
+
+    In these products B's error counts too, and a bright sample that makes it large makes B's
+    brightness large, and so excuses itself. Without the error that brightness excuses nothing, but
+    is too dark. The truth lies between: the geometric mean of both weights. Where B's error is
+    small beside B's own brightness there is next to nothing to excuse.
+    """
+    own = b.brightness * b.brightness
+    own += epsilon
+    as_is = b.error < np.float32(_PRECISE) * own
+    as_is |= classes < noisy_pixels.CLASSES
+    quiet = b.brightness - np.sqrt(b.variance)
+    np.maximum(quiet, 0.0, out=quiet)
+    quiet *= quiet
+    quiet += epsilon
+    np.divide(weights, quiet, out=quiet)
+    np.sqrt(quiet, out=quiet)
+    np.maximum(quiet, weights, out=quiet)
+    np.copyto(quiet, weights, where=as_is)
+    return quiet
 
 
 def _spread(
