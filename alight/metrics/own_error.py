@@ -26,10 +26,12 @@ import numpy as np
 from alight.metrics import noisy_pixels
 from alight.metrics.epsilon import LITERATURE_EPSILON
 from alight.metrics.error_estimate import ErrorEstimate, Figure
+from alight.metrics.few_pixels import FewPixels
 from alight.metrics.planes import weighted
 from alight.metrics.shared_paths import SharedPaths
 from alight.metrics.surroundings import CELL, by_cells, spread_out
 from alight.metrics.survey import Survey, survey
+from alight.metrics.unmet_light import unmet_light
 
 #: Squared error of one half of the replicates, over the brightness squared, below which a pixel
 #: knows its own brightness.
@@ -37,6 +39,9 @@ _PRECISE = 0.02
 
 #: Least brightness of such a pixel by the other half, over that by the first.
 _GUARD = 0.5
+
+#: Normal quantile of the confidence that `unmet_light` has, 97.5 %.
+_Z = 1.96
 
 #: Above this number of pixels, one way to halve the replicates is enough.
 _LARGE = 2**16
@@ -102,14 +107,17 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     value = (precise + believed.value) / (2 * len(halvings))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
-    spread, few, kept = 0.0, _FewPixels(replicates, size), iter(weights)
+    spread, few, kept = 0.0, FewPixels(replicates, size), iter(weights)
     shared = SharedPaths(replicates) if seen.shares_paths and replicates >= 4 else None
     for rows, m, k in seen.bands():
         # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
         both = np.zeros((3, 3, *known[rows].shape), np.float32)
         for a, b in _halves(m, k, halvings):
-            by_a, by_b = (weight.full(believed) for weight in next(kept))
-            spread += _spread(known[rows], a, b, by_a, by_b, both)
+            weigh_a, weigh_b = next(kept)
+            by_a, by_b = weigh_a.full(believed), weigh_b.full(believed)
+            quiet_a = _quietly(by_a, weigh_a.classes, b, np.float32(epsilon))
+            quiet_b = _quietly(by_b, weigh_b.classes, a, np.float32(epsilon))
+            spread += _spread(known[rows], a, b, quiet_a, quiet_b, both)
             if shared:
                 shared.add(m, np.sqrt(by_a * by_b) * known[rows])
         few.add(both / np.float32(2 * len(halvings)))
@@ -123,67 +131,16 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = few.freedom(value, spread)
+    relmse = value / (3.0 * float(known.sum()))
+    unmet = math.log1p(unmet_light(seen, epsilon) / relmse) / _Z
     return Figure(
-        value / (3.0 * float(known.sum())),
+        relmse,
         freedom,
         replicates,
         believed.variance * share,
         lowest,
-        believed.rise * share,
+        believed.rise * share + unmet * unmet,
     )
-
-
-class _FewPixels:
-    """Keeps a few pixels that carry the error from passing for many.
-
-    The products of two halves that tell the spread are close to 0 by chance where there are few of
-    them: for one pixel of R = 4 each is one of two chi-squared numbers with one degree of freedom.
-    The squares of the pixels' covariances by all replicates tell it too: they are too large where
-    tails are heavy, but never leave less than one pixel. So the spread is that of the products and
-    once their own deviation, as far as the squares say so.
-
-    Parameters
-    ----------
-    replicates, size : int
-        Of the picture, and of each half.
-    """
-
-    def __init__(self, replicates: int, size: int) -> None:
-        self._freedom, half = replicates - 1, max(size - 1, 1)
-        # Of the product of two halves' squared errors, over its mean: 8 for R = 4.
-        self._variance = (1.0 + 2.0 / half) ** 2 - 1.0
-        self._sum = self._squares = self._fourth_powers = 0.0
-
-    def add(self, covariances: np.ndarray) -> None:
-        """Add pixels: their covariances of channels, weighted, (3, 3, rows, w), d <= c."""
-        trace = np.einsum("cchw->hw", covariances)
-        square = 2.0 * np.einsum("cdhw,cdhw->hw", covariances, covariances, dtype=np.float64)
-        square -= np.einsum("cchw,cchw->hw", covariances, covariances, dtype=np.float64)
-        whole, n = trace.astype(np.float64) ** 2, self._freedom
-        # tr(Sigma^2) by normal noise (Wishart's distribution), which three channels share at best.
-        least = whole / (3.0 + 2.0 / n)
-        if n > 1:
-            square = n * n / ((n + 2.0) * (n - 1.0)) * (square - whole / n)
-            least = np.maximum(least, square)
-        self._sum += float(trace.sum(dtype=np.float64))
-        self._squares += float(least.sum())
-        self._fourth_powers += float((least * least).sum())
-
-    def at_least(self, spread: float, value: float) -> float:
-        """The sum of sigma^4, given its estimate by products and the sum of sigma^2."""
-        scale = (value / self._sum) ** 2 if self._sum > 0.0 else 0.0
-        chance = math.sqrt(self._variance * self._fourth_powers)
-        return max(spread, min(scale * self._squares, spread + scale * chance))
-
-    def freedom(self, value: float, spread: float) -> float:
-        """Degrees of freedom of a sum: (sum of sigma^2)^2 over the sum of sigma^4.
-
-        The squared sum of estimates is too large by their variance, 2 / (R - 1) times the spread.
-        """
-        if spread <= 0.0:
-            return 1e12
-        alike = value * value / spread
-        return min(max(alike - 2.0 / self._freedom, min(alike, 1.0)), 1e12)
 
 
 def _groups(height: int, width: int) -> np.ndarray:
@@ -363,6 +320,29 @@ def _inverse_square(
     square += 1.0
     f /= square
     return f
+
+
+def _quietly(weights: np.ndarray, classes: np.ndarray, b: _Half, epsilon: np.float32) -> np.ndarray:
+    """Weights for products of both halves' errors, where `b` has told the brightness itself.
+
+    In these products B's error counts too, and a bright sample that makes it large makes B's
+    brightness large, and so excuses itself. Without the error that brightness excuses nothing, but
+    is too dark. The truth lies between: the geometric mean of both weights. Where B's error is
+    small beside B's own brightness there is next to nothing to excuse.
+    """
+    own = b.brightness * b.brightness
+    own += epsilon
+    as_is = b.error < np.float32(_PRECISE) * own
+    as_is |= classes < noisy_pixels.CLASSES
+    quiet = b.brightness - np.sqrt(b.variance)
+    np.maximum(quiet, 0.0, out=quiet)
+    quiet *= quiet
+    quiet += epsilon
+    np.divide(weights, quiet, out=quiet)
+    np.sqrt(quiet, out=quiet)
+    np.maximum(quiet, weights, out=quiet)
+    np.copyto(quiet, weights, where=as_is)
+    return quiet
 
 
 def _spread(

@@ -62,6 +62,8 @@ def unseen_error(
     3 / (k n). If it brings c, up to 3 c / (k n) of each pixel's light is missing. For a bound c is
     `largest`. For the indicator it is the largest contribution seen in the cell: what one
     replicate's sum has more than the others say, at least the largest sample if that stands out.
+    If any replicate is negative, samples have both signs (filters with negative lobes), and what
+    one has less counts as well.
 
     Parameters
     ----------
@@ -74,6 +76,8 @@ def unseen_error(
     """
     n = counts.sum(axis=2)
     height, width = n.shape
+    # Where samples have both signs, what is missing may be as far below as above.
+    signed = bool((means < 0.0).any())
     bright, most = [], []
     total = 0.0
     # Whole rows of cells at a time: the planes of a replicate stay in the processor's cache.
@@ -84,6 +88,8 @@ def unseen_error(
         sums = k.sum(axis=0)
         mean = (m * k).sum(axis=0) / np.maximum(sums, 1.0)
         excess = (m - mean) * (k * sums / np.maximum(sums - k, 1.0))
+        if signed:
+            np.abs(excess, out=excess)
         columns = range(0, width, CELL_SIZE)
         most.append(np.maximum.reduceat(excess.max(axis=(0, 2)), columns, axis=1))
         bright.append(np.add.reduceat(mean.sum(axis=1), columns, axis=1))

@@ -90,6 +90,22 @@ def test_a_look_asks_for_the_error_that_is_not_exceeded():
         assert estimate.relrmse.value < judgement.achieved
 
 
+def test_where_samples_have_both_signs_a_dip_tells_as_much_as_a_spike():
+    """A replicate of 1 - 99 / 4 says that a sample of about -98 has been."""
+    counts = np.full((64, 64, 4), 4)
+    figures = []
+    for sign in (1.0, -1.0):
+        means = np.ones((64, 64, 4, 3))
+        means[20, 20, 1] += sign * 99.0 / 4
+        figures.append(unseen_error(means, counts, 0.02).indicator)
+    # The brightness of the cell is 1 + 99 / 1024 and 1 - 99 / 1024, epsilon 0.01 of it.
+    assert figures[1] / figures[0] == pytest.approx((1 + 99 / 1024) / (1 - 99 / 1024), rel=0.01)
+    # A replicate that is dark, and not negative, lacks what the others have met: no sample does.
+    means = np.ones((64, 64, 4, 3))
+    means[20, 20, 1] = 0.0
+    assert unseen_error(means, counts, 0.02).indicator < 3 * 2 / 1024 / 8
+
+
 def test_one_spike_makes_a_noiseless_picture_uncertain():
     means = np.ones((64, 64, 4, 3))
     counts = np.full((64, 64, 4), 4)

@@ -8,6 +8,7 @@ NOISY = "tests/metrics/test_noisy_pixels.py"
 DOUBTS = "tests/metrics/test_doubts_about_noisy_pixels.py"
 BARS = "tests/metrics/test_pixel_bars.py"
 SURVEY = "tests/metrics/test_survey.py"
+UNMET = "tests/metrics/test_unmet_light.py"
 
 KNOWN_ERROR = (
     Mutant(
@@ -295,5 +296,50 @@ KNOWN_ERROR = (
         (("(believed.value / total) ** 2", "(believed.value / total) ** 3"),),
         "tests/metrics/test_noisy_pixels.py"
         "::test_the_doubt_about_noisy_pixels_counts_by_their_share",
+    ),
+    Mutant(
+        "products of errors by brightness that excuses them",
+        "metrics/own_error.py",
+        (("np.copyto(quiet, weights, where=as_is)", "np.copyto(quiet, weights)"),),
+        f"{UNMET}::test_a_bright_sample_does_not_excuse_its_part_in_the_spread",
+    ),
+    Mutant(
+        "light that was not met in no interval",
+        "metrics/own_error.py",
+        (("believed.rise * share + unmet * unmet", "believed.rise * share"),),
+        f"{UNMET}::test_the_interval_reaches_up_to_light_that_was_not_met",
+    ),
+    Mutant(
+        "unmet light by events of any number",
+        "metrics/unmet_light.py",
+        (("variance * np.float32(EVENTS) > picture", "variance * np.float32(99.0) > picture"),),
+        f"{UNMET}::test_light_of_many_events_is_not_overlooked",
+    ),
+    Mutant(
+        "unmet light without regard to how many samples a pixel has",
+        "metrics/unmet_light.py",
+        (("price, cost = n * (m + root), n * root", "price, cost = m + root, n.mean() * root"),),
+        f"{UNMET}::test_one_event_tells_how_much_more_darkness_may_hide",
+    ),
+    Mutant(
+        "unmet light in bright pixels first",
+        "metrics/unmet_light.py",
+        (
+            ("np.argpartition(price, most)", "np.argpartition(-price, most)"),
+            ("np.argsort(price[order])", "np.argsort(-price[order])"),
+        ),
+        f"{UNMET}::test_no_way_to_hide_the_light_makes_more_of_it",
+    ),
+    Mutant(
+        "unseen light upwards only where samples have both signs",
+        "rendering/unseen.py",
+        (("signed = bool((means < 0.0).any())", "signed = False"),),
+        f"{PROMISES}::test_where_samples_have_both_signs_a_dip_tells_as_much_as_a_spike",
+    ),
+    Mutant(
+        "unseen light of replicates that lack what the others have",
+        "rendering/unseen.py",
+        (("signed = bool((means < 0.0).any())", "signed = True"),),
+        f"{PROMISES}::test_where_samples_have_both_signs_a_dip_tells_as_much_as_a_spike",
     ),
 )
