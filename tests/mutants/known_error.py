@@ -12,6 +12,20 @@ UNMET = "tests/metrics/test_unmet_light.py"
 
 KNOWN_ERROR = (
     Mutant(
+        "a few pixels that pass for many where the products of their halves are small",
+        "metrics/own_error.py",
+        (("    spread = few.at_least(spread, value)\n", ""),),
+        "tests/metrics/test_few_noisy_pixels.py::"
+        "test_the_interval_holds_where_few_pixels_carry_the_error",
+    ),
+    Mutant(
+        "degrees of freedom from the squared sum of estimates, which is too large",
+        "metrics/few_pixels.py",
+        (("alike - 2.0 / self._freedom", "alike"),),
+        "tests/metrics/test_few_noisy_pixels.py::"
+        "test_one_pixel_is_one_term_whatever_its_replicates_are",
+    ),
+    Mutant(
         "pixels that share paths counted as independent",
         "metrics/own_error.py",
         (("spread = max(spread, shared.spread / len(halvings) ** 2)", "pass"),),
@@ -184,8 +198,8 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "an interval half as wide as the spread says",
-        "metrics/own_error.py",
-        (("value * value / spread, 1e12", "4.0 * value * value / spread, 1e12"),),
+        "metrics/few_pixels.py",
+        (("alike = value * value / spread", "alike = 4.0 * value * value / spread"),),
         f"{PROMISES}::test_the_interval_covers_and_is_no_wider_than_it_must_be",
     ),
     Mutant(
