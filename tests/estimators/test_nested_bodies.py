@@ -1,5 +1,7 @@
 """Straight ways through balls in balls: each absorbs along its own part of the way, no more."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -26,7 +28,7 @@ def left_between(balls, start, end):
     """What Beer and Lambert leave from one place of the axis to another."""
     marks = np.sort([start, end, *(z + s * r for z, r, _, _ in balls for s in (-1, 1))])
     left = np.ones(3)
-    for near, far in zip(marks[:-1], marks[1:], strict=True):
+    for near, far in pairwise(marks):
         middle = 0.5 * (near + far)
         around = [(d, i) for i, (z, r, _, d) in enumerate(balls) if abs(middle - z) < r]
         if around and min(start, end) < middle < max(start, end):
