@@ -18,7 +18,8 @@ LIGHTS = ("SphereLight", "RectLight", "DiskLight", "CylinderLight", "DistantLigh
 #: the attribute that it belongs to.
 IGNORED = {
     "inputs:diffuse", "inputs:specular", "inputs:shaping:focusTint",
-    "shutter:open", "shutter:close", "inputs:shaping:ies:angleScale", "inputs:shaping:ies:normalize",
+    "shutter:open", "shutter:close", "inputs:shaping:ies:angleScale",
+    "inputs:shaping:ies:normalize",
 }  # fmt: skip
 #: Cones of surfaces are left out as a whole, and a dome has no size.
 OF_ONE = {"inputs:shaping:cone:softness": "SphereLight"}
