@@ -5,7 +5,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.estimators.test_absorption import CLEAR, TOLERANCE, ball, glass, lamp, seen
+from alight.bsdfs.blend import Blend
+from alight.bsdfs.bodies import body_below
+from alight.bsdfs.dielectric import Dielectric
+from alight.bsdfs.diffuse import Diffuse
+from alight.textures.checkerboard import Checkerboard
+from tests.estimators.test_absorption import CLEAR, COLOR, TOLERANCE, ball, glass, lamp, seen
 
 #: Balls around one another, of which paths know three.
 DEEPEST = 3
@@ -68,3 +73,44 @@ def test_what_paths_forget_of_many_bodies_their_boundaries_tell(integrator):
     for place in (3.3, 0.1):
         found = seen(nodes, place, integrator, 4, options)
         np.testing.assert_allclose(found, left_between(balls, -3.18, place), **TOLERANCE)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_blends_in_blends_absorb_by_their_shares(seed):
+    """A share that varies over the surface, here that of a texture, counts as one half."""
+    rng = np.random.default_rng(seed)
+
+    def blend(depth):
+        """(material, [(share, coefficients) of each body])."""
+        kind = rng.integers(4 if depth else 2)
+        if kind < 2 and depth < 3:
+            weight, parts = rng.uniform(0.1, 0.9), [blend(depth + 1), blend(depth + 1)]
+            share = 0.5 if kind else weight
+            made = Blend(weight=Checkerboard() if kind else weight, bsdfs=[m for m, _ in parts])
+            scaled = [(1.0 - share, parts[0][1]), (share, parts[1][1])]
+            return made, [(factor * s, c) for factor, found in scaled for s, c in found]
+        if kind == 2:
+            return Diffuse(), []
+        made = Dielectric(attenuation_color=rng.uniform(0.2, 1.0, 3).tolist())
+        made = made.replaced(attenuation_distance=float(rng.uniform(0.5, 3.0)))
+        return made, [(1.0, np.array(made.coefficients))]
+
+    for _ in range(20):
+        material, bodies = blend(0)
+        whole = sum(share for share, _ in bodies)
+        if bodies:
+            expected = sum(share * c for share, c in bodies) / whole
+            np.testing.assert_allclose(body_below(material), expected, rtol=1e-9)
+        else:
+            assert body_below(material) is None
+
+
+def test_a_camera_in_a_body_that_moves_is_in_it_wherever_it_has_moved():
+    look = {"look_at": {"origin": [0, 0, 5], "target": [0, 0, 4]}}
+    frames = [{"time": 0, "translate": [0, 0, 0]}, {"time": 1, "translate": [0, 0, 5]}]
+    nodes = {
+        "body": ball(1.0, glass()) | {"transform": {"keyframes": frames}},
+        "lamp": lamp(0.02, 4.5),
+    }
+    camera = {"fov": 0.2, "transform": look, "shutter": [0.999, 1.0]}
+    np.testing.assert_allclose(seen(nodes, spp=4, camera=camera), COLOR**0.48, **TOLERANCE)

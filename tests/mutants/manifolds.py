@@ -71,4 +71,25 @@ MANIFOLDS = (
         "tests/estimators/test_light_through_glass.py"
         "::test_light_paths_agree_with_camera_paths[a red lamp]",
     ),
+    Mutant(
+        "chains to lamps that no ray hits",
+        "integrators/chain_types.py",
+        (("bool(on_shapes(program)) and (", "not on_shapes(program) or ("),),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_where_there_are_none_pictures_keep_their_bits[dielectric-light: {type: point, intensity: 5}]",
+    ),
+    Mutant(
+        "no chains from the lacquer of plastic",
+        "integrators/chain_types.py",
+        (("(clear or DELTA_AND_SMOOTH in program.bsdfs)", "clear"),),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_chains_are_followed_where_a_material_mirrors",
+    ),
+    Mutant(
+        "chains longer than there are bits for",
+        "integrators/chain_types.py",
+        (("MOST_EVENTS = 6", "MOST_EVENTS = 17"),),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_the_events_of_the_longest_chain_have_bits_of_their_own",
+    ),
 )
