@@ -22,7 +22,7 @@ from tests.twin import picture_of
 SCENE = """
 alight: 1
 integrator: {type: path, max_depth: 6, caustics: %s}
-camera: {fov: 50, transform: {look_at: {origin: [0, 0, 4], target: [0, 0, 0]}}}
+camera: {fov: 50, transform: {look_at: {origin: [3, 0, 2], target: [0, 0, -0.5]}}}
 film: {size: [8, 8]}
 nodes:
   floor: {shape: rectangle, transform: [{scale: 2}, {translate: [0, 0, -1]}]}
@@ -58,7 +58,9 @@ def test_chains_are_followed_where_a_material_mirrors():
     assert found == {False, True}
 
 
-@pytest.mark.parametrize(("bsdf", "lamp"), [("dielectric", BULB), ("diffuse", SHINING)])
+@pytest.mark.parametrize(
+    ("bsdf", "lamp"), [("dielectric", BULB), ("diffuse", SHINING)], ids=["a bulb", "matte"]
+)
 def test_where_there_are_none_pictures_keep_their_bits(bsdf, lamp):
     assert not follows_chains(program_of("manifold", bsdf, lamp))
     assert not follows_chains(program_of("paths"))
@@ -75,3 +77,13 @@ def test_the_events_of_the_longest_chain_have_bits_of_their_own():
     assert type_.count == MOST_EVENTS and EVENT_BITS * MOST_EVENTS <= 32
     read = [(int(type_.events) >> (EVENT_BITS * i)) & EVENT_MASK for i in range(MOST_EVENTS)]
     assert read == kinds.tolist()
+
+
+def test_chains_do_not_go_through_glass_that_disperses_light():
+    """Where a ray leads would depend on its wavelength, so paths find that light as before."""
+    pictures = [
+        picture_of(scene(way, "dielectric, dispersion: 20", SHINING), 16)
+        for way in ("manifold", "paths")
+    ]
+    np.testing.assert_array_equal(*pictures)
+    assert len(np.unique(pictures[0].reshape(-1, 3), axis=0)) > 2

@@ -76,7 +76,7 @@ MANIFOLDS = (
         "integrators/chain_types.py",
         (("bool(on_shapes(program)) and (", "not on_shapes(program) or ("),),
         "tests/estimators/test_where_caustics_are_sought.py"
-        "::test_where_there_are_none_pictures_keep_their_bits[dielectric-light: {type: point, intensity: 5}]",
+        "::test_where_there_are_none_pictures_keep_their_bits[a bulb]",
     ),
     Mutant(
         "no chains from the lacquer of plastic",
@@ -91,5 +91,17 @@ MANIFOLDS = (
         (("MOST_EVENTS = 6", "MOST_EVENTS = 17"),),
         "tests/estimators/test_where_caustics_are_sought.py"
         "::test_the_events_of_the_longest_chain_have_bits_of_their_own",
+    ),
+    Mutant(
+        "chains through glass that disperses light",
+        "integrators/specular_chain.py",
+        (
+            (
+                "is_one_model(scene, surface) & ~spreads(scene, surface)",
+                "is_one_model(scene, surface)",
+            ),
+        ),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_chains_do_not_go_through_glass_that_disperses_light",
     ),
 )

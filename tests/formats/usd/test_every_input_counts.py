@@ -92,7 +92,7 @@ def test_inputs_have_their_defaults_and_matter(outcome):
             assert outcome({**needs, name: other}) != silent, name
 
 
-@pytest.mark.parametrize(("name", "needs"), OF_THE_OTHER)
+@pytest.mark.parametrize(("name", "needs"), OF_THE_OTHER, ids=[name for name, _ in OF_THE_OTHER])
 def test_inputs_of_the_other_workflow_play_no_part(name, needs, outcome):
     color = {"specularColor": "(0.2, 0.2, 0.2)"} if needs else {}
     other = SPECIFICATION[name][2]
