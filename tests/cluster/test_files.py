@@ -117,11 +117,10 @@ def test_a_queue_is_asked_for_workers_that_speak_tls(farm, local, tmp_path):
 
 
 def test_options_of_a_file_do_not_open_a_queue_to_others(farm, local):
-    where = farm("type: slurm\nkeys: keys\noptions: {protocol: 'tcp://', security: {}}")
+    where = farm("type: slurm\nkeys: keys\noptions: {protocol: 'tcp://'}")
     with files.started(read_cluster_file(where)):
         pass
     assert local["protocol"] == "tls://"
-    assert local["security"].require_encryption
 
 
 def test_hosts_are_asked_by_ssh_for_workers_that_speak_tls(farm, local, tmp_path):

@@ -126,7 +126,10 @@ FOREIGN = (
         (
             (
                 'core |= self._specular(core["base_color"])',
-                'core |= {**self._specular(core["base_color"]), "metallic": 0.3}',
+                (
+                    'core |= self._specular(core["base_color"])'
+                    ' | {"metallic": self._number("metallic")}'
+                ),
             ),
         ),
         "tests/formats/usd/test_every_input_counts.py"
