@@ -104,4 +104,23 @@ MANIFOLDS = (
         "tests/estimators/test_where_caustics_are_sought.py"
         "::test_chains_do_not_go_through_glass_that_disperses_light",
     ),
+    Mutant(
+        "the plane of an ellipse fans out by the square of the cosine",
+        "integrators/manifold_walk.py",
+        (
+            (
+                "solution.density * scale * scale * scale, 0.0",
+                "solution.density * scale * scale, 0.0",
+            ),
+        ),
+        "tests/estimators/test_directions_near_solutions.py"
+        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",
+    ),
+    Mutant(
+        "an ellipse that leans the other way",
+        "integrators/manifold_walk.py",
+        (("u = (MARGIN * x - mixed * v) / first", "u = (MARGIN * x + mixed * v) / first"),),
+        "tests/estimators/test_directions_near_solutions.py"
+        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",
+    ),
 )
