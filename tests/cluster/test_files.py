@@ -116,6 +116,13 @@ def test_a_queue_is_asked_for_workers_that_speak_tls(farm, local, tmp_path):
         assert found["key"] == str(tmp_path / "keys" / "key.pem")
 
 
+def test_options_of_a_file_do_not_open_a_queue_to_others(farm, local):
+    where = farm("type: slurm\nkeys: keys\noptions: {protocol: 'tcp://'}")
+    with files.started(read_cluster_file(where)):
+        pass
+    assert local["protocol"] == "tls://"
+
+
 def test_hosts_are_asked_by_ssh_for_workers_that_speak_tls(farm, local, tmp_path):
     where = farm(
         "type: ssh\nkeys: keys\nworkers: 2\nhosts: [lion, lion, tiger]\n"

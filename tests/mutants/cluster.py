@@ -119,4 +119,15 @@ CLUSTER = (
         (("if others := sorted(found - {own}):", "if others := []:"),),
         f"{STUDIES}::test_times_of_another_processor_in_the_store_are_refused_or_marked",
     ),
+    Mutant(
+        "files of clusters that speak without encryption",
+        "cluster/files.py",
+        (
+            (
+                '{"processes": 1, **file.options, "protocol": "tls://", "security": security}',
+                '{"processes": 1, "protocol": "tls://", "security": security, **file.options}',
+            ),
+        ),
+        "tests/cluster/test_files.py::test_options_of_a_file_do_not_open_a_queue_to_others",
+    ),
 )

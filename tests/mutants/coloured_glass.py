@@ -4,6 +4,8 @@ from tests.mutants.mutant import Mutant
 
 TESTS = "tests/estimators/test_absorption.py"
 
+NESTED = "tests/estimators/test_nested_bodies.py"
+
 COLOURED_GLASS = (
     Mutant(
         "volumetric paths come through coloured glass undimmed",
@@ -78,5 +80,68 @@ COLOURED_GLASS = (
             ),
         ),
         f"{TESTS}::test_blends_absorb_as_their_bodies_do_by_their_shares",
+    ),
+    Mutant(
+        "the outermost of three bodies is never left",
+        "integrators/enclosing.py",
+        (
+            (
+                "Bodies(bodies.middle, bodies.outer, lanes_vec3(0.0))",
+                "Bodies(bodies.middle, bodies.outer, bodies.outer)",
+            ),
+        ),
+        f"{NESTED}::test_each_body_dims_its_part_of_the_way[0]",
+    ),
+    Mutant(
+        "the second body around a camera is taken for the first",
+        "integrators/enclosing.py",
+        (
+            (
+                "around & (found == 1), body, bodies.middle",
+                "around & (found == 0), body, bodies.middle",
+            ),
+        ),
+        f"{NESTED}::test_each_body_dims_its_part_of_the_way[1]",
+    ),
+    Mutant(
+        "bodies beside the camera are around it",
+        "integrators/enclosing.py",
+        (("around = bounds & inner & (entered == 0)", "around = bounds & inner"),),
+        f"{NESTED}::test_each_body_dims_its_part_of_the_way[1]",
+    ),
+    Mutant(
+        "a box around bodies that is as high as wide",
+        "integrators/enclosing.py",
+        (("(p.z <= box[5])", "(p.z <= box[4])"),),
+        f"{NESTED}::test_each_body_dims_its_part_of_the_way[1]",
+    ),
+    Mutant(
+        "the inner side of a boundary tells nothing",
+        "integrators/enclosing.py",
+        (
+            (
+                "_at_arrival(scene, path.bodies, surface, path.d, met)\n    beta",
+                "path.bodies\n    beta",
+            ),
+        ),
+        f"{NESTED}::test_what_paths_forget_of_many_bodies_their_boundaries_tell[path]",
+    ),
+    Mutant(
+        "the box around the last body alone",
+        "compiled/bodies.py",
+        (("np.minimum(low, around[0]), np.maximum(high, around[1])", "around[0], around[1]"),),
+        f"{NESTED}::test_each_body_dims_its_part_of_the_way[1]",
+    ),
+    Mutant(
+        "the box around a moving body as it rests",
+        "compiled/bodies.py",
+        (("None if placed.motion else box_of(flat, placed)", "box_of(flat, placed)"),),
+        f"{NESTED}::test_a_camera_in_a_body_that_moves_is_in_it_wherever_it_has_moved",
+    ),
+    Mutant(
+        "parts of a blend that varies count in full",
+        "bsdfs/bodies.py",
+        (("isinstance(weight, float) else VARYING_SHARE", "isinstance(weight, float) else 1.0"),),
+        f"{NESTED}::test_blends_in_blends_absorb_by_their_shares[0]",
     ),
 )

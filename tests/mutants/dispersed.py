@@ -35,4 +35,31 @@ DISPERSED = (
         (("(0.5 / _RATE) * log(", "(0.6 / _RATE) * log("),),
         f"{TESTS}::test_each_wavelength_has_the_colour_of_the_published_tables",
     ),
+    Mutant(
+        "Abbe's number with the lines exchanged",
+        "bsdfs/dispersion.py",
+        (("(_F**-2 - _C**-2)", "(_C**-2 - _F**-2)"),),
+        "tests/physics/test_laws_of_dispersion.py::test_abbes_number_compares_the_lines_f_and_c",
+    ),
+    Mutant(
+        "indices that spread in water as in air",
+        "bsdfs/dispersion.py",
+        (("number / outside for number in spread", "number for number in spread"),),
+        "tests/physics/test_laws_of_dispersion.py"
+        "::test_kernels_have_the_index_over_that_outside[1.33-bk7]",
+    ),
+    Mutant(
+        "the last term of an index without its one",
+        "bsdfs/dispersion.py",
+        (("((x + 1.0) * x + 1.0) * c", "((x + 1.0) * x) * c"),),
+        "tests/physics/test_laws_of_dispersion.py"
+        "::test_kernels_have_the_index_over_that_outside[1.0-bk7]",
+    ),
+    Mutant(
+        "materials with a name are not asked whether they disperse light",
+        "scene/dispersion.py",
+        (("return spec in known and disperses_light(known[spec], known)", "return False"),),
+        "tests/physics/test_laws_of_dispersion.py"
+        "::test_integrators_that_see_no_wavelengths_refuse_them_wherever_they_stand[as a part]",
+    ),
 )

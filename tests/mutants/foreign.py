@@ -8,6 +8,8 @@ MITSUBA_COLORS = (
     "test_colours_have_their_defaults_and_each_channel_matters"
 )
 
+GLTF = "tests/formats/gltf/test_every_key_counts.py"
+
 FOREIGN = (
     Mutant(
         "a substrate that is half as shiny",
@@ -27,5 +29,122 @@ FOREIGN = (
         (('get["clearcoat_roughness"]', 'get["clearcoat"]'),),
         "tests/formats/materialx/test_every_input_counts.py::"
         "test_every_input_of_a_shader_counts[gltf_pbr]",
+    ),
+    Mutant(
+        "samplers of glTF that end at the edges",
+        "formats/gltf/textures.py",
+        (("sampler.integer(key, 10497)", "sampler.integer(key, 33071)"),),
+        f"{GLTF}::test_samplers_repeat_and_are_linear_by_default[sampler0]",
+    ),
+    Mutant(
+        "films of glTF that begin at no thickness",
+        "formats/gltf/materials.py",
+        (('"iridescenceThicknessMinimum", 100.0', '"iridescenceThicknessMinimum", 0.0'),),
+        f"{GLTF}::test_a_picture_of_a_films_thickness_runs_from_its_minimum_to_its_maximum",
+    ),
+    Mutant(
+        "films of glTF with the index of glass",
+        "formats/gltf/materials.py",
+        (('"iridescenceIor", 1.3,', '"iridescenceIor", 1.5,'),),
+        f"{GLTF}::test_numbers_have_their_defaults_and_matter[iridescence.iridescenceIor]",
+    ),
+    Mutant(
+        "the strength of brushes from where they lead",
+        "formats/gltf/materials.py",
+        (('scaled(strength, picture, "b")', 'scaled(strength, picture, "r")'),),
+        f"{GLTF}::test_a_texture_that_is_the_same_everywhere_is_its_number[anisotropy.anisotropyStrength]",
+    ),
+    Mutant(
+        "the colours of glossy metals as they are stored",
+        "formats/gltf/materials.py",
+        (
+            (
+                '"specularGlossinessTexture", is_color=True)',
+                '"specularGlossinessTexture", is_color=False)',
+            ),
+        ),
+        f"{GLTF}::test_the_colour_of_a_glossy_metal_is_encoded_and_its_gloss_is_not",
+    ),
+    Mutant(
+        "normal maps that are flatter by default",
+        "formats/gltf/materials.py",
+        (('info.number("scale", 1.0)', 'info.number("scale", 0.5)'),),
+        f"{GLTF}::test_normals_are_numbers_of_a_picture_and_have_the_scale_one",
+    ),
+    Mutant(
+        "splines that leave a key as they reach it",
+        "formats/gltf/animations.py",
+        (("values[before, 1], values[before, 2]", "values[before, 1], values[before, 0]"),),
+        "tests/formats/gltf/test_animations.py::test_splines_are_the_cubics_of_their_tangents",
+    ),
+    Mutant(
+        "light cut out of a surface twice",
+        "formats/gltf/write_materials.py",
+        (
+            (
+                "    if isinstance(radiance, tuple):\n        return tuple(channel / share",
+                "    if isinstance(radiance, tuple):\n        return tuple(channel * share",
+            ),
+        ),
+        "tests/formats/gltf/test_written_materials.py"
+        "::test_what_shines_through_a_cut_surface_is_as_bright_again[radiance0-0.25]",
+    ),
+    Mutant(
+        "temperatures that are not enabled",
+        "formats/usd/lights.py",
+        (
+            (
+                "if stage.value(light.GetEnableColorTemperatureAttr(), False):",
+                "if light.GetColorTemperatureAttr().IsAuthored():",
+            ),
+        ),
+        "tests/formats/usd/test_every_attribute_counts.py"
+        "::test_temperatures_count_where_they_are_enabled",
+    ),
+    Mutant(
+        "hard cones that are soft",
+        "formats/usd/lights.py",
+        (("cone * (1.0 - min(max(softness, 0.0), 1.0))", "cone * min(max(softness, 0.0), 1.0)"),),
+        "tests/formats/usd/test_every_attribute_counts.py"
+        "::test_a_soft_cone_is_even_up_to_where_it_begins_to_fade[0.3]",
+    ),
+    Mutant(
+        "coordinates of OpenUSD turned before they are scaled",
+        "formats/usd/textures.py",
+        (
+            (
+                '{"scale": scale}, {"rotate": angle}, {"translate": shift}',
+                '{"rotate": angle}, {"scale": scale}, {"translate": shift}',
+            ),
+        ),
+        "tests/formats/usd/test_places_of_textures.py"
+        "::test_each_transform_scales_turns_and_moves_what_the_one_before_it_gives[1]",
+    ),
+    Mutant(
+        "metals in the workflow of specular colours",
+        "formats/usd/materials.py",
+        (
+            (
+                'core |= self._specular(core["base_color"])',
+                (
+                    'core |= self._specular(core["base_color"])'
+                    ' | {"metallic": self._number("metallic")}'
+                ),
+            ),
+        ),
+        "tests/formats/usd/test_every_input_counts.py"
+        "::test_inputs_of_the_other_workflow_play_no_part[metallic]",
+    ),
+    Mutant(
+        "cones of OpenUSD that point the other way",
+        "formats/usd/meshes.py",
+        (('{"rotate": {"axis": "y", "angle": 90}}', '{"rotate": {"axis": "y", "angle": -90}}'),),
+        "tests/formats/usd/test_usd.py::test_cones_point_along_their_axis[X]",
+    ),
+    Mutant(
+        "the attribute of normals before the primvar",
+        "formats/usd/meshes.py",
+        (('if "normals" not in values:', "if True:"),),
+        "tests/formats/usd/test_usd.py::test_a_primvar_of_normals_counts_more_than_the_attribute",
     ),
 )

@@ -71,4 +71,56 @@ MANIFOLDS = (
         "tests/estimators/test_light_through_glass.py"
         "::test_light_paths_agree_with_camera_paths[a red lamp]",
     ),
+    Mutant(
+        "chains to lamps that no ray hits",
+        "integrators/chain_types.py",
+        (("bool(on_shapes(program)) and (", "not on_shapes(program) or ("),),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_where_there_are_none_pictures_keep_their_bits[a bulb]",
+    ),
+    Mutant(
+        "no chains from the lacquer of plastic",
+        "integrators/chain_types.py",
+        (("(clear or DELTA_AND_SMOOTH in program.bsdfs)", "clear"),),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_chains_are_followed_where_a_material_mirrors",
+    ),
+    Mutant(
+        "chains longer than there are bits for",
+        "integrators/chain_types.py",
+        (("MOST_EVENTS = 6", "MOST_EVENTS = 17"),),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_the_events_of_the_longest_chain_have_bits_of_their_own",
+    ),
+    Mutant(
+        "chains through glass that disperses light",
+        "integrators/specular_chain.py",
+        (
+            (
+                "is_one_model(scene, surface) & ~spreads(scene, surface)",
+                "is_one_model(scene, surface)",
+            ),
+        ),
+        "tests/estimators/test_where_caustics_are_sought.py"
+        "::test_chains_do_not_go_through_glass_that_disperses_light",
+    ),
+    Mutant(
+        "the plane of an ellipse fans out by the square of the cosine",
+        "integrators/manifold_walk.py",
+        (
+            (
+                "solution.density * scale * scale * scale, 0.0",
+                "solution.density * scale * scale, 0.0",
+            ),
+        ),
+        "tests/estimators/test_directions_near_solutions.py"
+        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",
+    ),
+    Mutant(
+        "an ellipse that leans the other way",
+        "integrators/manifold_walk.py",
+        (("u = (MARGIN * x - mixed * v) / first", "u = (MARGIN * x + mixed * v) / first"),),
+        "tests/estimators/test_directions_near_solutions.py"
+        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",
+    ),
 )

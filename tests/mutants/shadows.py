@@ -61,4 +61,38 @@ SHADOWS = (
           "np.clip(1.0 - self.shadow / beside, 0.0, 1.0)"),),
         "tests/outputs/test_formats.py::test_shadows_are_black_where_nothing_covers",
     ),
+    Mutant(
+        "things behind a lamp are in its way",
+        "integrators/shadow_catcher.py",
+        (("s.wi, end, down & (lamps", "s.wi, lanes(INFINITY), down & (lamps"),),
+        "tests/rendering/test_shadows_of_many_lamps.py"
+        "::test_the_shadow_is_the_share_of_the_light_that_is_kept_away[0]",
+    ),
+    Mutant(
+        "lamps below the ground light it",
+        "lights/ground.py",
+        (("(s.pdf > 0.0) & (s.wi.y > 0.0) &", "(s.pdf > 0.0) &"),),
+        "tests/rendering/test_shadows_of_many_lamps.py"
+        "::test_the_shadow_is_the_share_of_the_light_that_is_kept_away[3]",
+    ),
+    Mutant(
+        "the green of a lamp is its light",
+        "lights/ground.py",
+        (("where(lit, luminance(radiance) *", "where(lit, radiance.y *"),),
+        "tests/rendering/test_shadows_of_many_lamps.py"
+        "::test_the_shadow_is_the_share_of_the_light_that_is_kept_away[0]",
+    ),
+    Mutant(
+        "the ground seen from below",
+        "integrators/shadow_catcher.py",
+        (("(path.d.y < 0.0) & (path.o.y > height)", "(path.d.y < 0.0)"),),
+        "tests/rendering/test_shadows_of_many_lamps.py::test_from_below_the_ground_no_shadow_is_seen",
+    ),
+    Mutant(
+        "shadows without the filter's weight",
+        'integrators/shadow_catcher.py',
+        (('shadow = path.beta.x * kept', 'shadow = kept'),),
+        "tests/rendering/test_shadows_of_many_lamps.py"
+        "::test_filters_with_negative_parts_overshoot_at_the_edge_of_a_shadow",
+    ),
 )  # fmt: skip

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import alight
 from alight.view import notebook, protocol
@@ -52,6 +53,28 @@ def test_the_film_is_shown_at_the_end(has_widgets, cells, monkeypatch, tmp_path)
         rgba = np.frombuffer(widget.frame[16:], np.uint8).reshape(24, 24, 4)
         shown = alight.RenderOptions().display.apply(film.image)
         np.testing.assert_array_equal(rgba[..., :3], np.rint(shown * 255.0))
+
+
+@pytest.mark.parametrize("options", [{"background": "transparent"}, {"exposure": 1.5}])
+def test_its_last_frame_is_the_picture_that_is_written(options, monkeypatch, tmp_path):
+    widget = SimpleNamespace()
+    monkeypatch.setattr(notebook, "_widget", lambda stop: widget)
+    scene = {
+        "alight": 1, "camera": {"transform": {"translate": [0, 0, 4]}},
+        "environment": {"type": "constant", "radiance": [0.9, 0.5, 0.2]},
+        "nodes": {"ball": {"shape": "sphere"}},
+    }  # fmt: skip
+    live = alight.view(scene, output=tmp_path / "a.png", **SMALL, **options)
+    live.wait()
+    live._thread.join()
+    with Image.open(tmp_path / "a.png") as file:
+        written = np.asarray(file.convert("RGBA"), np.int32)
+    frame = np.frombuffer(widget.frame[16:], np.uint8).reshape(24, 24, 4)
+    # Files are dithered or rounded: one step apart, at most, where anything is to be seen.
+    seen = written[..., 3] > 16
+    assert np.abs(written - frame)[seen].max() <= 1
+    assert np.abs(written - frame)[..., 3].max() <= 1
+    assert (written[..., 3].min() < 255) == ("background" in options)
 
 
 def test_it_tells_how_far_it_is_and_can_be_stopped(monkeypatch, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from alight.formats.cameras import Parallel, Perspective, angle_of
@@ -30,6 +31,13 @@ def read_camera(stage: Stage, prim: Any) -> tuple[Data, float]:
     for name in ("HorizontalApertureOffset", "VerticalApertureOffset"):
         if stage.value(getattr(camera, f"Get{name}Attr")(), 0.0):
             stage.report.approximate(f"{prim.GetPath()}: {name[0].lower()}{name[1:]} is left out")
+    # Of OpenUSD since 24.11.
+    exposed = getattr(camera, "ComputeLinearExposureScale", lambda time: 1.0)(stage.time)
+    if exposed != 1.0 and exposed > 0.0:
+        text = (
+            f"its exposure is left out: show the picture with --exposure {math.log2(exposed):.3g}"
+        )
+        stage.report.approximate(f"{prim.GetPath()}: {text}")
     if stage.value(camera.GetProjectionAttr()) == UsdGeom.Tokens.orthographic:
         return Parallel(height * _TENTH).data(), aspect
     focal = max(float(stage.value(camera.GetFocalLengthAttr(), 50.0)), 1e-6)

@@ -117,11 +117,16 @@ def _area_light(
 
 
 def _say_shaping(stage: Stage, prim: Any) -> None:
+    """Say that a surface shines all around, whatever shapes its light."""
     shaping = UsdLux.ShapingAPI(prim)
     cone = float(stage.value(shaping.GetShapingConeAngleAttr(), 90.0))
     if cone < 90.0 or stage.value(shaping.GetShapingFocusAttr(), 0.0) > 0.0:
         stage.report.approximate(f"{prim.GetPath()}: its cone is left out, it shines all around")
-    if stage.value(shaping.GetShapingIesFileAttr()) is not None:
+    _say_profile(stage, prim)
+
+
+def _say_profile(stage: Stage, prim: Any) -> None:
+    if stage.value(UsdLux.ShapingAPI(prim).GetShapingIesFileAttr()) is not None:
         stage.report.approximate(f"{prim.GetPath()}: its IES profile is left out")
 
 
@@ -137,8 +142,12 @@ def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     # Intensity of a sphere seen from far away: radiance times its disk, a quarter of its area.
     intensity = _radiance(stage, prim) * 0.25 * (1.0 if _is_normalised(stage, prim) else area)
     if cone >= 90.0:
+        _say_shaping(stage, prim)
         return Placed({"light": point(intensity.tolist())})
     stage.report.approximate(f"{prim.GetPath()}: a sphere with a cone became a spot")
+    _say_profile(stage, prim)
+    if stage.value(UsdLux.ShapingAPI(prim).GetShapingFocusAttr(), 0.0) > 0.0:
+        stage.report.approximate(f"{prim.GetPath()}: its cone is as bright at the edge (focus)")
     softness = float(stage.value(UsdLux.ShapingAPI(prim).GetShapingConeSoftnessAttr(), 0.0))
     cone = max(cone, 0.001)
     beam = cone * (1.0 - min(max(softness, 0.0), 1.0))

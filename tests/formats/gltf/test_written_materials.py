@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from alight.compiled.scene import compile_scene
+from alight.core.spec import Texture
 from alight.films import fixed_point
 from alight.formats import load, loads
 from alight.formats.gltf.write import write
@@ -106,3 +107,15 @@ def test_smooth_materials_look_the_same_head_on(kind, tmp_path):
     if kind != "nothing":
         assert one.max() > 0.03
     np.testing.assert_allclose(other, one, rtol=0.004, atol=2e-3)
+
+
+@pytest.mark.parametrize("opacity", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize("radiance", [[1.0, 2.0, 3.0], 0.5])
+def test_what_shines_through_a_cut_surface_is_as_bright_again(opacity, radiance, tmp_path):
+    """The file cuts out of the light what it cuts out of the surface."""
+    mask = {"type": "mask", "opacity": opacity, "bsdf": {"type": "diffuse"}}
+    light = {"type": "area", "radiance": radiance}
+    _, flat, _ = again(mask, tmp_path, light)
+    found = flat.shapes[0].light.radiance
+    found = found.mean() if isinstance(found, Texture) else found
+    np.testing.assert_allclose(np.broadcast_to(found, 3), np.broadcast_to(radiance, 3), rtol=1e-6)

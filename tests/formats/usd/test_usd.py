@@ -149,6 +149,28 @@ def test_solids_have_their_size(load, prim, extent):
     np.testing.assert_allclose(np.ptp(np.concatenate(points), axis=0), extent, atol=0.01)
 
 
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+def test_cones_point_along_their_axis(load, axis):
+    scene = load(f'def Cone "s" {{ double radius = 1; double height = 5; token axis = "{axis}" }}')
+    points, along = world_points(scene), "XYZ".index(axis)
+    around = np.linalg.norm(np.delete(points, along, axis=1), axis=1)
+    top = points[:, along] > 2.49
+    assert top.any() and around[top].max() < 1e-6
+    assert around[points[:, along] < -2.49].max() == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_primvar_of_normals_counts_more_than_the_attribute(load):
+    """UsdGeomPointBased: "if both are specified, the primvar has precedence"."""
+    attribute = "normal3f[] normals = [(1, 0, 0), (1, 0, 0), (1, 0, 0), (1, 0, 0)]"
+    primvar = attribute.replace("normals", "primvars:normals", 1).replace("(1, 0, 0)", "(0, 0, 1)")
+    for text, expected in ((attribute, [1, 0, 0]), (f"{attribute}\n    {primvar}", [0, 0, 1])):
+        text = text.replace("primvars:normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)]",
+                            "primvars:normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)]"
+                            ' (interpolation = "vertex")')  # fmt: skip
+        (node,) = shapes(load(f'def Mesh "m" {{{SQUARE}\n    {text}\n}}')).values()
+        np.testing.assert_allclose(node.shape.normals, [expected] * len(node.shape.normals))
+
+
 def test_invisible_and_helping_geometry_is_left_out_and_said(load):
     scene = load(f"""
 def Mesh "shown" {{{SQUARE}; uniform token model:drawMode = "cards" }}

@@ -1,0 +1,55 @@
+"""Directions of the ellipse about a walk's end: their density is that with which they are drawn."""
+
+import numpy as np
+import pytest
+
+from alight.core.vec import Vec3
+from alight.integrators.manifold_walk import MARGIN, WIDEST, Solution, draw_near, place_near
+from alight.laws.statistics import LARGEST_Z
+from lanewise.jit import instantiate
+
+N = 1 << 15
+
+
+def solution(rng):
+    """An ellipse of random axes in the plane across a random direction, both (float)."""
+    w = rng.normal(size=3)
+    w /= np.linalg.norm(w)
+    axes, angle = WIDEST * rng.uniform(0.3, 0.99, 2), rng.uniform(0.0, np.pi)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    form = turn @ np.diag(axes**-2.0) @ turn.T
+    density = 1.0 / (np.pi * MARGIN**2 * axes.prod())
+    numbers = (form[0, 0], form[0, 1], form[1, 1], density)
+    return w, form, Solution(Vec3(*np.float32(w)), *map(np.float32, numbers))
+
+
+def solid_angle(form):
+    """Of all directions whose place (u, v) has the form at most MARGIN^2, by cos^3 dA."""
+    root = MARGIN * np.linalg.inv(np.linalg.cholesky(form).T)
+    r, phi = np.meshgrid((np.arange(400) + 0.5) / 400, (np.arange(400) + 0.5) / 400 * 2.0 * np.pi)
+    u, v = np.tensordot(root, np.stack([r * np.cos(phi), r * np.sin(phi)]), 1)
+    weight = r * 2.0 * np.pi / 400**2 * np.linalg.det(root)
+    return float((weight * (1.0 + u * u + v * v) ** -1.5).sum())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_mean_of_one_over_the_density_is_the_solid_angle(seed):
+    rng = np.random.default_rng(seed)
+    w, form, end = solution(rng)
+    u2 = tuple(rng.random(N, np.float32) for _ in range(2))
+    drawn = instantiate(draw_near, compiled=False)(end, u2)
+    q, density = instantiate(place_near, compiled=False)(end, drawn)
+    rows = np.array([drawn.x, drawn.y, drawn.z], float)
+    np.testing.assert_allclose(np.linalg.norm(rows, axis=0), 1.0, rtol=1e-6)
+    # Uniform in the larger ellipse: so is q, in [0, MARGIN^2]. Rounding may put an edge outside.
+    inside = density > 0.0
+    assert inside.mean() > 0.999
+    share = q[inside] / MARGIN**2
+    assert abs(share.mean() - 0.5) < LARGEST_Z * np.sqrt(1.0 / 12.0 / N)
+    values = 1.0 / density[inside].astype(float)
+    z = (values.mean() - solid_angle(form)) / (values.std() / np.sqrt(N))
+    assert abs(z) < LARGEST_Z
+    # All around, and about the middle: the mean place is w, turned aside by nothing.
+    assert np.linalg.norm(np.cross(rows.mean(axis=1), w)) < LARGEST_Z * WIDEST / np.sqrt(N)
+    # One power of the cosine more or less would be found.
+    assert abs(np.mean(rows.T @ w) - 1.0) * values.mean() > LARGEST_Z * values.std() / np.sqrt(N)

@@ -1,0 +1,89 @@
+"""Chains are followed where a material has a mirror's or clear glass's lobe, and a lamp a shape."""
+
+import numpy as np
+import pytest
+
+from alight.bsdfs.flags import DELTA, NULL
+from alight.compiled.scene import compile_scene
+from alight.formats import loads
+from alight.integrators.chain_types import (
+    EVENT_BITS,
+    EVENT_MASK,
+    MOST_EVENTS,
+    Type,
+    follows_chains,
+    with_event,
+)
+from alight.laws.materials import Material, direction, random_numbers
+from alight.scene import flatten
+from tests.sampling.materials import EXAMPLES, NAMES
+from tests.twin import picture_of
+
+SCENE = """
+alight: 1
+integrator: {type: path, max_depth: 6, caustics: %s}
+camera: {fov: 50, transform: {look_at: {origin: [3, 0, 2], target: [0, 0, -0.5]}}}
+film: {size: [8, 8]}
+nodes:
+  floor: {shape: rectangle, transform: [{scale: 2}, {translate: [0, 0, -1]}]}
+  ball: {shape: {type: sphere, radius: 0.5}, bsdf: {type: %s}}
+  lamp: {%s, transform: {translate: [0, 0, 2]}}
+"""
+SHINING = "shape: {type: sphere, radius: 0.3}, light: {type: area, radiance: 5}"
+BULB = "light: {type: point, intensity: 5}"
+
+
+def scene(caustics="manifold", bsdf="dielectric", lamp=SHINING):
+    return loads(SCENE % (caustics, bsdf, lamp))
+
+
+def program_of(*arguments):
+    return compile_scene(flatten(scene(*arguments)), structure="list").program
+
+
+def mirrors(material):
+    """Whether some sample goes in one of finitely many directions, and not straight on."""
+    _, _, pdf, flags = material.sample(direction(0.7), random_numbers(256, 7))
+    return bool(((flags & (DELTA | NULL)) == DELTA)[pdf > 0.0].any())
+
+
+def test_chains_are_followed_where_a_material_mirrors():
+    lamp, found = program_of("manifold", "diffuse"), set()
+    assert not follows_chains(lamp)
+    for spec, name in zip(EXAMPLES, NAMES, strict=True):
+        material = Material(spec)
+        program = lamp._replace(bsdfs=material.program.bsdfs, textures=material.program.textures)
+        assert follows_chains(program) or not mirrors(material), name
+        found.add(mirrors(material))
+    assert found == {False, True}
+
+
+@pytest.mark.parametrize(
+    ("bsdf", "lamp"), [("dielectric", BULB), ("diffuse", SHINING)], ids=["a bulb", "matte"]
+)
+def test_where_there_are_none_pictures_keep_their_bits(bsdf, lamp):
+    assert not follows_chains(program_of("manifold", bsdf, lamp))
+    assert not follows_chains(program_of("paths"))
+    with_, without = (picture_of(scene(way, bsdf, lamp), 2) for way in ("manifold", "paths"))
+    np.testing.assert_array_equal(with_, without)
+
+
+def test_the_events_of_the_longest_chain_have_bits_of_their_own():
+    rng = np.random.default_rng(4)
+    kinds = rng.integers(1, EVENT_MASK + 1, MOST_EVENTS).astype(np.uint32)
+    type_ = Type(np.uint32(0), np.uint32(0))
+    for kind in kinds:
+        type_ = with_event(type_, kind)
+    assert type_.count == MOST_EVENTS and EVENT_BITS * MOST_EVENTS <= 32
+    read = [(int(type_.events) >> (EVENT_BITS * i)) & EVENT_MASK for i in range(MOST_EVENTS)]
+    assert read == kinds.tolist()
+
+
+def test_chains_do_not_go_through_glass_that_disperses_light():
+    """Where a ray leads would depend on its wavelength, so paths find that light as before."""
+    pictures = [
+        picture_of(scene(way, "dielectric, dispersion: 20", SHINING), 16)
+        for way in ("manifold", "paths")
+    ]
+    np.testing.assert_array_equal(*pictures)
+    assert len(np.unique(pictures[0].reshape(-1, 3), axis=0)) > 2
