@@ -20,7 +20,7 @@ from alight.integrators.walk import (
     is_staged,
     make_settings,
 )
-from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile import TWINS_LANES, make_kernels, render_tile
 from alight.rendering.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
 from alight.samplers import independent
 from alight.scene import flatten
@@ -106,8 +106,10 @@ def test_no_random_number_is_used_for_two_purposes(monkeypatch):
 
     monkeypatch.setattr(independent, "hash_1", recorded(independent.hash_1, 1))
     monkeypatch.setattr(independent, "hash_2", recorded(independent.hash_2, 2))
-    twin(compiled("cornell-box"), 2, max_depth=8, rr_depth=3)
-    assert len({key[:2] for key in places}) == 8 * 8 * 2
+    # A whole packet: lanes without a sample have numbers of their own.
+    spp = TWINS_LANES // (8 * 8)
+    twin(compiled("cornell-box"), spp, max_depth=8, rr_depth=3)
+    assert len({key[:2] for key in places}) == 8 * 8 * spp
     shared = {key[2]: found for key, found in places.items() if len(found) > 1}
     assert not shared, shared
     # The camera's are computed for a whole packet whenever one of its lanes starts a path.
