@@ -119,7 +119,8 @@ def is_finite(x):
 
 def fma(a, b, c):
     """a * b + c, rounded once where the machine can (float64 imitates it here)."""
-    return np.float32(np.float64(a) * np.float64(b) + np.float64(c))
+    product = np.multiply(a, b, dtype=np.float64)
+    return np.add(product, c, dtype=np.float64).astype(np.float32)
 
 
 def lanes(x):
@@ -209,7 +210,8 @@ def mask_bits(mask):
 
 def bits_mask(bits):
     """The inverse of `mask_bits`."""
-    memory = np.frombuffer(int(bits).to_bytes(int(LANES) // 8, "little"), np.uint8)
+    bits = int(bits) & ((1 << int(LANES)) - 1)
+    memory = np.frombuffer(bits.to_bytes(int(LANES) // 8, "little"), np.uint8)
     return np.unpackbits(memory, bitorder="little").astype(bool)
 
 

@@ -39,11 +39,11 @@ def compiled(text, aovs=()):
 FIRST = Tile(0, 0, 8, 8)
 
 
-def twin(scene, spp, tile=FIRST, **settings):
+def twin(scene, spp, tile=FIRST, lanes=None, **settings):
     """The film of a tile, in NumPy."""
     values = make_settings(scene.integrator, seed=0, replicates=4)._replace(**settings)
     ranges = np.array([[[0, spp]]], np.int64)
-    kernels = make_kernels(scene, compiled=False)
+    kernels = make_kernels(scene, compiled=False, lanes=lanes)
     film, _ = render_tile(kernels, scene, values, tile, ranges)
     fixed_point.carry(film.sums)
     return film
@@ -164,6 +164,28 @@ def test_the_direct_layer_is_the_picture_of_two_edges(scene):
     fixed_point.carry(expected)
     np.testing.assert_array_equal(direct, expected)
     assert whole.aovs["indirect"].any()
+
+
+#: A ball with random walks in it.
+WAXEN = CAMERA + """film: {size: [8, 8]}
+environment: {type: constant}
+nodes: {ball: {shape: sphere, bsdf: {type: subsurface, color: 0.6, radius: 0.5}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("scene", "integrator"),
+    [(GLOW, "volpath"), (CLEAR, "bidirectional"), (CLEAR, "light"), (WAXEN, "path")],
+    ids=["glow", "both ends", "light", "walks"],
+)
+def test_wide_packets_give_the_bits_of_narrow_ones(scene, integrator):
+    scene = scene.replace("{type: volpath}", f"{{type: {integrator}}}")
+    scene = compiled(scene.replace("{type: path}", f"{{type: {integrator}}}"))
+    narrow, wide = (twin(scene, 5, lanes=lanes) for lanes in (16, TWINS_LANES))
+    assert scene.integrator.type_name() == integrator
+    assert narrow.sums.any()
+    np.testing.assert_array_equal(wide.sums, narrow.sums)
+    np.testing.assert_array_equal(wide.counts, narrow.counts)
 
 
 @pytest.mark.parametrize("spp", [1, 2, 33])
