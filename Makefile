@@ -70,7 +70,7 @@ setup-dev: $(VENV)/.dev
 demo: setup
 	$(BIN)/alight render cornell-box --output cornell.png
 
-# Tests start a few hundred processes, which need not compile the sources again.
+# Tests start processes, which need not compile the sources again.
 test smoke: export PYTHONDONTWRITEBYTECODE =
 
 test: setup-dev

@@ -141,7 +141,9 @@ class _Build(ABC):
 
 
 class _PythonBuild(_Build):
-    def __init__(self, program: Hashable, observe: Callable | None, lanes: int) -> None:
+    def __init__(
+        self, program: Hashable, observe: Callable | None = None, lanes: int = WIDEST
+    ) -> None:
         super().__init__(program)
         self.observe, self.lanes = observe, lanes
 

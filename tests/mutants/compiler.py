@@ -78,11 +78,14 @@ COMPILER = (
     Mutant(
         "samples of a packet that lie sixteen apart",
         "rendering/tile_kernel.py",
-        (("        taken[LANES + count] = as_uint(cursor.y)\n",
-          "        taken[16 + count] = as_uint(cursor.y)\n"),),
-        "tests/rendering/test_in_the_twin.py"
-        "::test_wide_packets_give_the_bits_of_narrow_ones[glow]",
-    ),  # fmt: skip
+        (
+            (
+                "        taken[LANES + count] = as_uint(cursor.y)\n",
+                "        taken[16 + count] = as_uint(cursor.y)\n",
+            ),
+        ),
+        "tests/rendering/test_in_the_twin.py::test_wide_packets_give_the_bits_of_narrow_ones[glow]",
+    ),
     Mutant(
         "machine code that outlives the compiler",
         "machine.py",

@@ -167,10 +167,13 @@ def test_the_direct_layer_is_the_picture_of_two_edges(scene):
 
 
 #: A ball with random walks in it.
-WAXEN = CAMERA + """film: {size: [8, 8]}
+WAXEN = (
+    CAMERA
+    + """film: {size: [8, 8]}
 environment: {type: constant}
 nodes: {ball: {shape: sphere, bsdf: {type: subsurface, color: 0.6, radius: 0.5}}}
 """
+)
 
 
 @pytest.mark.parametrize(
