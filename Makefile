@@ -70,6 +70,9 @@ setup-dev: $(VENV)/.dev
 demo: setup
 	$(BIN)/alight render cornell-box --output cornell.png
 
+# Tests start processes, which need not compile the sources again.
+test smoke: export PYTHONDONTWRITEBYTECODE =
+
 test: setup-dev
 	$(BIN)/python -m pytest -n $(JOBS)
 

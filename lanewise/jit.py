@@ -24,6 +24,7 @@ from lanewise.application import setting, variable
 from lanewise.kernel_text import check_text, explained, is_ours
 from lanewise.machine_code import MachineCode, ObjectCode
 from lanewise.marks import STRICT, Specialised, is_kernel, kernel, specialised
+from lanewise.simd import WIDEST, LaneCount
 from lanewise.source_digest import digest_of, digests_of_text
 
 __all__ = ["FAST_MATH", "Specialised", "instantiate", "is_kernel", "kernel", "specialised"]
@@ -38,6 +39,7 @@ def instantiate(
     *,
     compiled: bool = True,
     observe: Callable[[Any, Callable], Callable] | None = None,
+    lanes: int = WIDEST,
 ) -> Callable:
     """The kernel `root` for one program, ready to be called.
 
@@ -52,9 +54,12 @@ def instantiate(
     observe : callable, optional
         For the twin: given each kernel as text names it (a function or a `Specialised`) and what
         would be called in its place, it returns what is called, so that calls can be looked at.
+    lanes : int, default 16
+        For the twin: lanes of a packet, a power of two from 16 on. NumPy takes about as long for a
+        few hundred numbers as for one.
     """
     if not compiled:
-        return _PythonBuild(program, observe).get(root)
+        return _PythonBuild(program, observe, lanes).get(root)
 
     if uses_stock_pipeline():
         return StockKernel(root, program)
@@ -92,7 +97,7 @@ class _Build(ABC):
 
     def __init__(self, program: Hashable):
         self.program = program
-        self.done: dict[tuple, Any] = {}
+        self.done: dict[Any, Any] = {}
 
     def get(self, node: Any, strict: bool = False) -> Any:
         """The kernel `node` for this program, made once."""
@@ -136,9 +141,11 @@ class _Build(ABC):
 
 
 class _PythonBuild(_Build):
-    def __init__(self, program: Hashable, observe: Callable | None) -> None:
+    def __init__(
+        self, program: Hashable, observe: Callable | None = None, lanes: int = WIDEST
+    ) -> None:
         super().__init__(program)
-        self.observe = observe
+        self.observe, self.lanes = observe, lanes
 
     def get(self, node: Any, strict: bool = False) -> Any:
         made = super().get(node, strict)
@@ -146,8 +153,16 @@ class _PythonBuild(_Build):
 
     def make(self, node: Callable, strict: bool) -> Callable:
         # What an observed kernel calls is observed too.
-        needed = self.observe is not None or depends_on_program(node)
+        needed = self.observe is not None or self.lanes != WIDEST or depends_on_program(node)
         return self.clone(node, strict) if needed else node
+
+    def replacement(self, value: Any, strict: bool) -> Any:
+        if self.lanes != WIDEST:
+            if isinstance(value, LaneCount):
+                return LaneCount(self.lanes)
+            if counts_lanes(value):
+                return self.done.setdefault(value, self.clone(value, strict))
+        return super().replacement(value, strict)
 
 
 class _CompiledBuild(_Build):
@@ -202,6 +217,9 @@ class _CompiledBuild(_Build):
 
 _SHARED: dict[tuple, Any] = {}
 
+#: Modules of what kernels call for a packet as a whole.
+_PRIMITIVES = frozenset({"lanewise.simd", "lanewise.records"})
+
 
 @lru_cache(maxsize=4096)
 def _write(node: Specialised, program: Hashable) -> Callable:
@@ -223,6 +241,13 @@ def depends_on_program(node: Any) -> bool:
     used = [node.__globals__.get(name) for name in _names(node.__code__)]
     used += [cell.cell_contents for cell in node.__closure__ or ()]
     return any(depends_on_program(v) for v in used if isinstance(v, Specialised) or is_kernel(v))
+
+
+def counts_lanes(value: Any) -> bool:
+    """True of a primitive that depends on how many lanes a packet has."""
+    if not isinstance(value, types.FunctionType) or value.__module__ not in _PRIMITIVES:
+        return False
+    return not {"LANES", "room_for"}.isdisjoint(value.__code__.co_names)
 
 
 def _names(code: types.CodeType) -> set[str]:

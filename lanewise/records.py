@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lanewise.simd import LANES
+from lanewise.simd import LANES, room_for
 from lanewise.vec3 import Vec3
 
 
@@ -37,7 +37,7 @@ def local_records(room: int, like: Any) -> Any:
     like : record
         Only its type counts.
     """
-    return np.zeros((sum(1 for _ in _lanes_of(like)), room), np.uint32)
+    return np.zeros((sum(1 for _ in _lanes_of(like)), room_for(room)), np.uint32)
 
 
 def put_records(memory: Any, room: int, at: int, order: Any, record: Any) -> None:

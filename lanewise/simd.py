@@ -22,10 +22,12 @@ class LaneCount(int):
     """The packet width; a type of its own, so that the compiler can put the machine's in place."""
 
 
-#: Lanes of a packet: 16 in the NumPy twin; compiled code uses the processor's width.
-LANES = LaneCount(16)
+#: Lanes of the widest packet that a processor has: what kernels provide memory for.
+WIDEST = 16
 
-_ALL = np.arange(int(LANES), dtype=np.uint32)
+#: Lanes of a packet: 16 in the NumPy twin, unless more are asked for (`lanewise.jit.instantiate`);
+#: compiled code uses the processor's width.
+LANES = LaneCount(WIDEST)
 
 
 def where(mask, a, b) -> Any:
@@ -117,7 +119,8 @@ def is_finite(x):
 
 def fma(a, b, c):
     """a * b + c, rounded once where the machine can (float64 imitates it here)."""
-    return np.float32(np.float64(a) * np.float64(b) + np.float64(c))
+    product = np.multiply(a, b, dtype=np.float64)
+    return np.add(product, c, dtype=np.float64).astype(np.float32)
 
 
 def lanes(x):
@@ -192,7 +195,7 @@ def gather_row(view, index, n):
 
 def lane_index():
     """0, 1, 2, ... across the lanes."""
-    return _ALL
+    return np.arange(int(LANES), dtype=np.uint32)
 
 
 # ---------------------------------------------------------------- single lanes
@@ -202,12 +205,14 @@ def lane_index():
 def mask_bits(mask):
     """The mask as a whole number: bit i = lane i."""
     full = np.broadcast_to(np.asarray(mask), (int(LANES),))
-    return int(np.packbits(full, bitorder="little").view(np.uint16)[0])
+    return int.from_bytes(np.packbits(full, bitorder="little").tobytes(), "little")
 
 
 def bits_mask(bits):
     """The inverse of `mask_bits`."""
-    return (np.uint32(bits) >> _ALL & 1).astype(bool)
+    bits = int(bits) & ((1 << int(LANES)) - 1)
+    memory = np.frombuffer(bits.to_bytes(int(LANES) // 8, "little"), np.uint8)
+    return np.unpackbits(memory, bitorder="little").astype(bool)
 
 
 def trailing_zeros(bits):
@@ -220,23 +225,28 @@ def count_bits(bits):
     return int(bits).bit_count()
 
 
+def room_for(n):
+    """How many numbers memory holds that is large enough if packets have `WIDEST` lanes."""
+    return n * max(int(LANES) // WIDEST, 1)
+
+
 def local_floats(n):
     """Scratch memory of this call: n float32.
 
     A kernel may return it, but only unwritten: LLVM drops stores to memory that nobody reads until
     the call is over, and does so before it inlines the call.
     """
-    return np.zeros(n, np.float32)
+    return np.zeros(room_for(n), np.float32)
 
 
 def local_uints(n):
     """Scratch memory of this call: n uint32."""
-    return np.zeros(n, np.uint32)
+    return np.zeros(room_for(n), np.uint32)
 
 
 def local_longs(n):
     """Scratch memory of this call: n int64."""
-    return np.zeros(n, np.int64)
+    return np.zeros(room_for(n), np.int64)
 
 
 def store_lanes(buffer, i, x):

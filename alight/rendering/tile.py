@@ -41,6 +41,7 @@ from alight.rendering.tile_kernel import (
 from alight.rendering.tile_loop import render_step_by_step, render_tile_kernel
 from lanewise.jit import StockKernel, instantiate
 from lanewise.machine_code import MachineCode
+from lanewise.simd import WIDEST
 from lanewise.view import View
 
 #: What the kernel writes: flat int64 tables of one tile.
@@ -72,18 +73,25 @@ class Kernels(NamedTuple):
 
 
 def make_kernels(
-    scene: CompiledScene, *, compiled: bool = True, observe: Callable | None = None
+    scene: CompiledScene,
+    *,
+    compiled: bool = True,
+    observe: Callable | None = None,
+    lanes: int | None = None,
 ) -> Kernels:
     """The main loop specialised on a scene's program; compiled False gives the NumPy twin.
 
-    `observe` is for the twin, see `lanewise.jit.instantiate`; what it sees are whole steps.
+    `observe` and `lanes` are for the twin, see `lanewise.jit.instantiate`; what is observed are
+    whole steps. Packets are as wide as pays off, unless they search a tree or are observed.
     """
+    if lanes is None:
+        lanes = WIDEST if compiled or observe or "tree" in scene.program.accel else TWINS_LANES
     picture = render_step_by_step if observe else render_tile_kernel
     if scene.integrator.splats:
         picture = splatting_tile_kernel
 
     def make(root: Callable, program: Program) -> Callable:
-        kernel = instantiate(root, program, compiled=compiled, observe=observe)
+        kernel = instantiate(root, program, compiled=compiled, observe=observe, lanes=lanes)
         # Dead lanes compute with what they have; NumPy would warn of each division by their zeros.
         if isinstance(kernel, MachineCode | StockKernel):
             return kernel.fixed()
@@ -110,6 +118,10 @@ def make_kernels(
         make(render_coverage, covered) if scene.surfaces else None,
         make(render_shadows, covered) if scene.ground else None,
     )
+
+
+#: Lanes of the NumPy twin: more than these are seldom all active.
+TWINS_LANES = 256
 
 
 @lru_cache(maxsize=1)

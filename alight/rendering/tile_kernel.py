@@ -31,6 +31,7 @@ from alight.samplers.sampling import get_2d, sampler_state
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     LANES,
+    WIDEST,
     any_lane,
     as_int,
     as_uint,
@@ -58,9 +59,8 @@ Cursor = namedtuple("Cursor", "x y index scramble left cell")
 #: Lanes that start a path, their rays, the weight of the pixel filter, and the sampler.
 CameraRays = namedtuple("CameraRays", "new o d weight sampler")
 
-#: Rows of `camera_rays`, for the widest packet: x, y, index and scramble of each lane's sample.
-ROOM = 16
-TAKEN = 4 * ROOM
+#: Memory for x, y, index and scramble of each lane's sample.
+TAKEN = 4 * WIDEST
 
 INVALID, SATURATED, RAYS = 0, 1, 2
 
@@ -119,9 +119,9 @@ def next_samples(settings, tile, ranges, cursor):
     count = 0
     while count < LANES and cursor.cell < cells:
         taken[count] = as_uint(cursor.x)
-        taken[ROOM + count] = as_uint(cursor.y)
-        taken[2 * ROOM + count] = as_uint(cursor.index)
-        taken[3 * ROOM + count] = as_uint(cursor.scramble)
+        taken[LANES + count] = as_uint(cursor.y)
+        taken[2 * LANES + count] = as_uint(cursor.index)
+        taken[3 * LANES + count] = as_uint(cursor.scramble)
         count += 1
         if cursor.left > 1:
             cursor = next_sample(settings, cursor)
@@ -129,11 +129,11 @@ def next_samples(settings, tile, ranges, cursor):
             cursor = next_pixel(settings, tile, ranges, cursor)
     for i in range(count, LANES):
         # Nobody sees what lanes without a sample do, but they do it with numbers of their own.
-        taken[i], taken[ROOM + i], taken[3 * ROOM + i] = as_uint(0), as_uint(0), as_uint(0)
-        taken[2 * ROOM + i] = as_uint(-1 - i)
-    x, y = load_lanes(taken, 0), load_lanes(taken, ROOM)
+        taken[i], taken[LANES + i], taken[3 * LANES + i] = as_uint(0), as_uint(0), as_uint(0)
+        taken[2 * LANES + i] = as_uint(-1 - i)
+    x, y = load_lanes(taken, 0), load_lanes(taken, LANES)
     sampler = sampler_state(
-        x, y, load_lanes(taken, 2 * ROOM), load_lanes(taken, 3 * ROOM), lanes_u32(settings.seed)
+        x, y, load_lanes(taken, 2 * LANES), load_lanes(taken, 3 * LANES), lanes_u32(settings.seed)
     )
     return cursor, lane_index() < count, sampler
 

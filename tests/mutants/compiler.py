@@ -62,6 +62,31 @@ COMPILER = (
         "lanewise",
     ),
     Mutant(
+        "masks of wide packets that end after sixteen lanes",
+        "simd.py",
+        (('.tobytes(), "little")\n', '.tobytes(), "little") & 0xFFFF\n'),),
+        "tests/lanewise/test_twins_lanes.py::test_every_lane_is_counted[256]",
+        "lanewise",
+    ),
+    Mutant(
+        "masks of bits that count from the other end",
+        "simd.py",
+        (('np.unpackbits(memory, bitorder="little")', 'np.unpackbits(memory, bitorder="big")'),),
+        "tests/lanewise/test_twins_lanes.py::test_every_lane_is_counted[16]",
+        "lanewise",
+    ),
+    Mutant(
+        "samples of a packet that lie sixteen apart",
+        "rendering/tile_kernel.py",
+        (
+            (
+                "        taken[LANES + count] = as_uint(cursor.y)\n",
+                "        taken[16 + count] = as_uint(cursor.y)\n",
+            ),
+        ),
+        "tests/rendering/test_in_the_twin.py::test_wide_packets_give_the_bits_of_narrow_ones[glow]",
+    ),
+    Mutant(
         "machine code that outlives the compiler",
         "machine.py",
         (("_digest_of_sources({LANEWISE, package})", "_digest_of_sources({package})"),),

@@ -51,7 +51,12 @@ FILM = (
     Mutant(
         "random numbers that depend on the tile",
         "rendering/tile_kernel.py",
-        (("3 * ROOM), lanes_u32(settings.seed)", "3 * ROOM), lanes_u32(settings.seed + tile.x0)"),),
+        (
+            (
+                "3 * LANES), lanes_u32(settings.seed)",
+                "3 * LANES), lanes_u32(settings.seed + tile.x0)",
+            ),
+        ),
         f"{BITS}::test_tile_order_and_size",
     ),
     Mutant(

@@ -23,9 +23,9 @@ from typing import Any, NamedTuple
 #: Added to `lanewise.jit` in the copy.
 BY_TEXT = '''
 
-def _by_text(root, program=None, *, compiled=True, observe=None, plain=instantiate):
+def _by_text(root, program=None, *, compiled=True, plain=instantiate, **words):
     """Machine code is named by the text that it is made of."""
-    made = plain(root, program, compiled=compiled, observe=observe)
+    made = plain(root, program, compiled=compiled, **words)
     if compiled and hasattr(made, "identity"):
         from lanewise.source_digest import _Reader
 

@@ -20,7 +20,7 @@ from alight.integrators.walk import (
     is_staged,
     make_settings,
 )
-from alight.rendering.tile import make_kernels, render_tile
+from alight.rendering.tile import TWINS_LANES, make_kernels, render_tile
 from alight.rendering.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
 from alight.samplers import independent
 from alight.scene import flatten
@@ -39,11 +39,11 @@ def compiled(text, aovs=()):
 FIRST = Tile(0, 0, 8, 8)
 
 
-def twin(scene, spp, tile=FIRST, **settings):
+def twin(scene, spp, tile=FIRST, lanes=None, **settings):
     """The film of a tile, in NumPy."""
     values = make_settings(scene.integrator, seed=0, replicates=4)._replace(**settings)
     ranges = np.array([[[0, spp]]], np.int64)
-    kernels = make_kernels(scene, compiled=False)
+    kernels = make_kernels(scene, compiled=False, lanes=lanes)
     film, _ = render_tile(kernels, scene, values, tile, ranges)
     fixed_point.carry(film.sums)
     return film
@@ -106,8 +106,10 @@ def test_no_random_number_is_used_for_two_purposes(monkeypatch):
 
     monkeypatch.setattr(independent, "hash_1", recorded(independent.hash_1, 1))
     monkeypatch.setattr(independent, "hash_2", recorded(independent.hash_2, 2))
-    twin(compiled("cornell-box"), 2, max_depth=8, rr_depth=3)
-    assert len({key[:2] for key in places}) == 8 * 8 * 2
+    # A whole packet: lanes without a sample have numbers of their own.
+    spp = TWINS_LANES // (8 * 8)
+    twin(compiled("cornell-box"), spp, max_depth=8, rr_depth=3)
+    assert len({key[:2] for key in places}) == 8 * 8 * spp
     shared = {key[2]: found for key, found in places.items() if len(found) > 1}
     assert not shared, shared
     # The camera's are computed for a whole packet whenever one of its lanes starts a path.
@@ -162,6 +164,31 @@ def test_the_direct_layer_is_the_picture_of_two_edges(scene):
     fixed_point.carry(expected)
     np.testing.assert_array_equal(direct, expected)
     assert whole.aovs["indirect"].any()
+
+
+#: A ball with random walks in it.
+WAXEN = (
+    CAMERA
+    + """film: {size: [8, 8]}
+environment: {type: constant}
+nodes: {ball: {shape: sphere, bsdf: {type: subsurface, color: 0.6, radius: 0.5}}}
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("scene", "integrator"),
+    [(GLOW, "volpath"), (CLEAR, "bidirectional"), (CLEAR, "light"), (WAXEN, "path")],
+    ids=["glow", "both ends", "light", "walks"],
+)
+def test_wide_packets_give_the_bits_of_narrow_ones(scene, integrator):
+    scene = scene.replace("{type: volpath}", f"{{type: {integrator}}}")
+    scene = compiled(scene.replace("{type: path}", f"{{type: {integrator}}}"))
+    narrow, wide = (twin(scene, 5, lanes=lanes) for lanes in (16, TWINS_LANES))
+    assert scene.integrator.type_name() == integrator
+    assert narrow.sums.any()
+    np.testing.assert_array_equal(wide.sums, narrow.sums)
+    np.testing.assert_array_equal(wide.counts, narrow.counts)
 
 
 @pytest.mark.parametrize("spp", [1, 2, 33])
