@@ -44,9 +44,8 @@ from alight.integrators.dispersed import meet_dispersion
 from alight.integrators.manifold_search import PAIRS, Begin, Search, search_lamps
 from alight.integrators.manifold_walk import place_near
 from alight.integrators.moments import at_times_of
-from alight.integrators.specular_chain import Target
 from alight.integrators.walk import gather_light, to_local
-from alight.lights.targets import choose_target, sphere_of
+from alight.lights.targets import choose_target, far_light, target_at
 from alight.media.tables import Stream, step_numbers
 from lanewise.jit import kernel
 from lanewise.records import local_records, put_records, records_at, replace
@@ -118,19 +117,20 @@ def _going_on(number):
 
 
 def write_add_caustics(listeners):
-    """``(scene, settings, path, surface, wo, active) -> (path, covered)``: light behind glass.
+    """``(scene, settings, path, surface, wo, active, left) -> (path, covered)``.
 
-    Light of lamps behind mirrors and glass is added where paths scatter it. covered: mask, the lamp
-    that the path has hit was counted where the path was last scattered. `listeners`: kernels of
-    `alight.integrators.contributions`, or nothing in the place of each.
+    Light of lamps behind mirrors and glass is added where active paths scatter it. left: mask, paths
+    that have left the scene to the disk that is a target. covered: mask, the light that the path has
+    found, on its surface or there, was counted where the path was last scattered. `listeners`:
+    kernels of `alight.integrators.contributions`, or nothing in the place of each.
     """
     recorded, find = listeners.find is not None, listeners.find
 
     @kernel
-    def add_caustics(scene, settings, path, surface, wo, active):
+    def add_caustics(scene, settings, path, surface, wo, active, left):
         depth, rays = path.depth + 1, path.rays
         shining = surface.light != 0
-        given = active & shining & path.chain.known & (path.chain.type.count > 0)
+        given = (left | (active & shining)) & path.chain.known & (path.chain.type.count > 0)
         stream = _stream(path)
         # One more surface and the lamp.
         looking = active & ~shining & (depth + 1 < settings.max_depth)
@@ -139,14 +139,14 @@ def write_add_caustics(listeners):
         probability = minimum(maximum(max_component(absolute_vec3(path.beta)), LEAST_CHANCE), 1.0)
         looking = looking & (chance < probability)
         lamp, chosen = choose_target(scene, u)
-        lamp = where(given, surface.light - 1, lamp)
-        c, radius = sphere_of(scene, lamp)
-        given, looking = given & (radius > 0.0), looking & (radius > 0.0)
+        lamp = where(given, where(left, lanes_u32(far_light(scene)), surface.light - 1), lamp)
+        target = target_at(scene, lamp)
+        given, looking = given & (target.radius > 0.0), looking & (target.radius > 0.0)
         covered = lanes_mask(False)
         if any_lane(given | looking):
             factor, total = lanes_vec3(0.0), lanes(0.0)
             number, made = lanes_u32(0), lanes(0.0)
-            target, first = Target(lamp, c, radius), lanes_u32(OWN_PAIRS)
+            first = lanes_u32(OWN_PAIRS)
             search = Search(
                 surface=surface, wo=wo, d=path.d, bodies=path.bodies, target=target, stream=stream,
                 first=first,

@@ -100,6 +100,7 @@ from alight.integrators.walk import (
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
 from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
+from alight.lights.targets import has_far_target, leads_to_disk
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
@@ -214,6 +215,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 
 def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
+    far = follows_chains(program) and has_far_target(program)
     hides = program.option("hide_emitters", False)
     unguided = drawn_by_bsdf if is_guided(program) else None
     reach_environment = write_reach_environment(bsdf_weight, listeners, unguided)
@@ -230,6 +232,11 @@ def _write_trace(program, bsdf_weight, listeners):
         if hides:
             missed = missed & ~is_from_camera(path)
         # The ray left the scene: light of the environment.
+        if far:
+            # Those that are led to the target there wait, until it is known whether it counts.
+            led = path.chain.known & (path.chain.type.count > 0) & leads_to_disk(scene, path.d)
+            led = missed & led
+            missed, active = missed & ~led, active | led
         if environment:
             path = reach_environment(scene, path, missed)
         return replace(path, active=active), hit
@@ -243,6 +250,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
     guided, chains = is_guided(program), follows_chains(program)
+    far = chains and has_far_target(program)
+    reach_environment = write_reach_environment(bsdf_weight, listeners)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
@@ -255,6 +264,10 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     def shade(scene, settings, path, hit):
         """One more vertex, where the rays of active paths met a surface."""
         active, depth = path.active, path.depth + 1
+        left = lanes_mask(False)
+        if far:
+            left = active & (hit.t == INFINITY)
+            active = active & ~left
         surface = at_wavelength_of(make_surface(scene, hit, path.o, path.d, active), path.sampler)
         wo = to_local(surface, -path.d)
         if recorded:
@@ -270,7 +283,9 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         covered = lanes_mask(False)  # Lamps that count already, as caustics.
         if chains:
-            path, covered = add_caustics(scene, settings, path, surface, wo, active)
+            path, covered = add_caustics(scene, settings, path, surface, wo, active, left)
+        if far:
+            path = reach_environment(scene, path, left & ~covered)
 
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
