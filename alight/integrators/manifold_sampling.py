@@ -52,6 +52,7 @@ from lanewise.records import local_records, put_records, records_at, replace
 from lanewise.simd import (
     LANES,
     any_lane,
+    count_bits,
     lane_index,
     lanes,
     lanes_mask,
@@ -106,7 +107,7 @@ def _is_taken(trial, search, result):
     """Mask: searches are as many as one over the density of the direction, once one is taken."""
     _, density = place_near(result.first, trial.w)
     u, _ = step_numbers(search.stream, search.first + (PAIRS - 1))
-    return (density <= trial.most) & (u * trial.most < density)
+    return u * trial.most < density
 
 
 @kernel
@@ -163,8 +164,10 @@ def write_add_caustics(listeners):
                 if repeating:
                     weight = 1.0 / _going_on(number)
                     bits = mask_bits(_is_taken(trial, search, result))
-                    count = trailing_zeros(bits) + 1 if bits != 0 else LANES
-                    made = made + weight * to_float(lanes_u32(count))
+                    taken = count_bits(bits)
+                    # Of the first one that is taken, the mean place among them all.
+                    count = (LANES + 1.0) / (taken + 1.0) if taken != 0 else 1.0 * LANES
+                    made = made + lanes(weight * count)
                     number = number + LANES
                     if bits != 0 or not any_lane(trial.stop < _going_on(number)):
                         mine_now = lane_index() == trailing_zeros(waiting)
@@ -180,7 +183,8 @@ def write_add_caustics(listeners):
                     # Light from there, if it is and its solution is one that is taken.
                     most = SLACK * density
                     _, drawn = place_near(result.first, w)
-                    lit = looking & holds & (drawn > 0.0) & (drawn <= most)
+                    accept, _ = step_numbers(stream, first + (PAIRS - 1))
+                    lit = looking & holds & (accept * drawn < minimum(drawn, most))
                     lit = lit & (max_component(result.found) > 0.0)
                     lit = lit & (depth + result.type.count < settings.max_depth)
                     lit = lit & ~enters_body(scene, surface, w)
