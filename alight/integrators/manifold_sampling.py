@@ -120,10 +120,10 @@ def _going_on(number):
 def write_add_caustics(listeners):
     """``(scene, settings, path, surface, wo, active, left) -> (path, covered)``.
 
-    Light of lamps behind mirrors and glass is added where active paths scatter it. left: mask, paths
-    that have left the scene to the disk that is a target. covered: mask, the light that the path has
-    found, on its surface or there, was counted where the path was last scattered. `listeners`:
-    kernels of `alight.integrators.contributions`, or nothing in the place of each.
+    Light of lamps behind mirrors and glass is added where active paths scatter it. left: mask,
+    paths that have left the scene to the disk that is a target. covered: mask, the light that the
+    path has found, on its surface or there, was counted where the path was last scattered.
+    `listeners`: kernels of `alight.integrators.contributions`, or nothing in the place of each.
     """
     recorded, find = listeners.find is not None, listeners.find
 

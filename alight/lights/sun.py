@@ -80,7 +80,9 @@ def mean_color(spec: Sun) -> Triple:
 
 def disk_of(spec: Sun, to_world: np.ndarray) -> Disk:
     """The disk itself; see `alight.lights.model.LightModel`."""
-    return seen_disk(spec, spec.diameter, mean_color(spec.replaced(scale=(1.0, 1.0, 1.0))), to_world)
+    return seen_disk(
+        spec, spec.diameter, mean_color(spec.replaced(scale=(1.0, 1.0, 1.0))), to_world
+    )
 
 
 def seen_disk(light: Daylight, diameter: float, mean: Triple, to_world: np.ndarray) -> Disk:
