@@ -23,8 +23,8 @@ Light from covered directions is what the estimate above counts, all other light
 paths find it. Both ask the same function of the direction, so nothing is missed or counted twice;
 what walks are worth decides the noise alone. The estimate needs covered directions to have a
 density: seeds near :math:`\omega` end near s', and the ellipse that is drawn from is a little
-larger. :math:`M = \kappa p_{s'}(\omega)`; solutions with a larger density are not taken, neither
-here nor where :math:`\omega` is drawn.
+larger. :math:`M = \kappa p_{s'}(\omega)`; solutions with a larger density count as if it was M: a
+direction that was drawn from one is kept with the probability :math:`M / p_s(\omega)`.
 
 Source: Zeltner, Georgiev and Jakob, Specular manifold sampling, SIGGRAPH 2020; Hanika, Droske and
 Fascione, Manifold next event estimation, EGSR 2015; Booth, Unbiased Monte Carlo estimation of the

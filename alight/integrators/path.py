@@ -121,8 +121,8 @@ class Path(PathTracing):
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
     caustics : {"paths", "manifold"}, default "paths"
-        How lamps are found behind mirrors and clear glass: by paths that happen to hit them, or
-        also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
+        How lamps and the sun are found behind mirrors and clear glass: by paths that happen to hit
+        them, or also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
     """
 
     walks_inside: ClassVar[bool] = True
