@@ -45,6 +45,7 @@ from alight.integrators.manifold_search import PAIRS, Begin, Search, search_lamp
 from alight.integrators.manifold_walk import place_near
 from alight.integrators.moments import at_times_of
 from alight.integrators.walk import gather_light, to_local
+from alight.lights.tables import INFO
 from alight.lights.targets import choose_target, far_light, target_at
 from alight.media.tables import Stream, step_numbers
 from lanewise.jit import kernel
@@ -129,6 +130,7 @@ def write_add_caustics(listeners):
 
     @kernel
     def add_caustics(scene, settings, path, surface, wo, active, left):
+        """One search a lane; then its repetitions, by all lanes for one after the other."""
         depth, rays = path.depth + 1, path.rays
         shining = surface.light != 0
         given = (left | (active & shining)) & path.chain.known & (path.chain.type.count > 0)
@@ -209,7 +211,10 @@ def write_add_caustics(listeners):
             if recorded:
                 edges = depth + mine.type.count + 1
                 as_hit = replace(path, delta=lanes_mask(True))
-                find(scene, as_hit, lamp + 1, edges, looking & (total > 0.0), light)
+                # What is around the scene is known by its last light.
+                last = lanes_u32(scene.lights.info.size // INFO)
+                row = where(target.far, last, lamp + 1)
+                find(scene, as_hit, row, edges, looking & (total > 0.0), light)
         return replace(path, rays=rays), covered
 
     return add_caustics

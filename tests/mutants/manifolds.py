@@ -43,12 +43,6 @@ MANIFOLDS = (
         UNDER_WATER,
     ),
     Mutant(
-        "the sun as a lamp one metre away",
-        "lights/targets.py",
-        (("return where(target.far, target.c, target.c - o)", "return target.c - o"),),
-        UNDER_WATER,
-    ),
-    Mutant(
         "the sun of a picture on its other side",
         "lights/bright_disk.py",
         (("Disk(to_map.T @ axis,", "Disk(to_map @ axis,"),),
