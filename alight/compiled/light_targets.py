@@ -6,11 +6,15 @@ import numpy as np
 
 from alight.compiled.light_tree import LightRow, by_power, find_leaves
 from alight.compiled.shapes import CompiledShapes
+from alight.core.vec import luminance
+from alight.lights.bright_disk import Disk
+from alight.lights.model import LIGHTS
 from alight.lights.targets import SPHERE
+from lanewise.vec3 import Vec3
 
 
 def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) -> np.ndarray:
-    """The choice of a light on a shape, and the spheres around them; none without such lights.
+    """The choice of a target, the spheres of all lights, and which one is a disk of the sky.
 
     Parameters
     ----------
@@ -21,7 +25,7 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
 
     Returns
     -------
-    (n + 1 + 4 n,) float32
+    (n + 1 + 4 n + 1,) float32
     """
     placed = np.array([row.shape >= 0 for row in rows], bool)
     powers = np.where(placed, powers, 0.0)
@@ -32,9 +36,23 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
             low, high = leaves.low[mine].min(axis=0), leaves.high[mine].max(axis=0)
             spheres[number] = *(0.5 * (low + high)), _radius(0.5 * (high - low))
     powers = np.where(spheres[:, 3] > 0.0, powers, 0.0)
-    if not placed.any():
+    # Of the sky's disks the brightest one.
+    disks = [(_power(row, row.disk, shapes.radius), i) for i, row in enumerate(rows) if row.disk]
+    power, far = max(disks, default=(0.0, 0))
+    if power > 0.0:
+        disk = rows[far].disk
+        assert disk is not None
+        spheres[far] = *disk.axis, -np.sin(disk.half_angle)
+        powers[far] = power
+    if not rows:
         return np.zeros(0, np.float32)
-    return np.concatenate([by_power(powers), spheres.ravel()]).astype(np.float32)
+    return np.concatenate([by_power(powers), spheres.ravel(), [far]]).astype(np.float32)
+
+
+def _power(row: LightRow, disk: Disk, radius: float) -> float:
+    """Of the disk alone, W."""
+    mean = Vec3(*(a * b for a, b in zip(row.color, disk.mean, strict=True)))
+    return LIGHTS[row.kind].power(float(luminance(mean)), 0.0, radius)
 
 
 def _radius(half: np.ndarray) -> float:

@@ -14,6 +14,7 @@ from alight.core.constants import PI
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Triple
 from alight.core.vec import luminance
+from alight.lights.bright_disk import Disk
 from alight.lights.tree import LEAVES, OUTER_CDF
 from alight.lights.tree_build import build_tree
 from alight.lights.tree_split import Leaves
@@ -59,6 +60,8 @@ class LightRow(NamedTuple):
         Its description, of a light at a point.
     table : (n,) float32 or None
         Further numbers of it, such as a picture: they start where its `LightTables.info` says.
+    disk : Disk or None
+        Of a light around the scene: what paths may aim at.
     """
 
     kind: str
@@ -72,6 +75,7 @@ class LightRow(NamedTuple):
     motion: Motion | None = None
     dark: float = 0.5 * PI
     table: NDArray[np.float32] | None = None
+    disk: Disk | None = None
     light: Light | None = None
 
     @property

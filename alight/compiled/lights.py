@@ -114,7 +114,7 @@ def compile_lights(
         If they always do, and there is a light at which none can start.
     """
     rows, kept = _rows(flat, shapes), kept or Kept()
-    around = [_environment(p, compensated, kept) for p in flat.environments]
+    around = [_environment(p, compensated, kept, aims) for p in flat.environments]
     rows += [row for row, _ in around]
     powers = _powers(rows, shapes.radius)
     weights = _weights(rows, powers, selection)
@@ -209,11 +209,13 @@ def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
 
 
 def _environment(
-    placed: PlacedLight, compensated: bool, kept: Kept
+    placed: PlacedLight, compensated: bool, kept: Kept, aims: bool
 ) -> tuple[LightRow, EnvironmentMap | None]:
     """The row of an environment, and its map where it has one."""
     light, to_world = placed.light, placed.to_world
     row, model = _row(light, to_world), LIGHTS[light.type_name()]
+    if aims and model.disk_of is not None:
+        row = row._replace(disk=model.disk_of(light, to_world))
     if model.map_of is None:
         return row, None
     # What differs by its map only is a light of the first kind with the same kernels.

@@ -88,6 +88,7 @@ FORMS = {
             "texture",
             "map_of",
             "beside_the_map",
+            "disk_of",
             "window",
             "share_all_around",
             "emission_table",

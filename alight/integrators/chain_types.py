@@ -7,7 +7,7 @@ from collections import namedtuple
 from alight.bsdfs import dirac
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.switch import models_of
-from alight.lights.hits import on_shapes
+from alight.lights.targets import has_targets
 from lanewise.jit import kernel
 from lanewise.simd import lanes_mask, lanes_u32, lanes_vec3
 
@@ -25,9 +25,9 @@ Chain = namedtuple("Chain", "o d type known")
 
 
 def has_chains(program) -> bool:
-    """Whether a program has mirrors or clear glass, and lamps that rays hit."""
+    """Whether a program has mirrors or clear glass, and lights that paths may aim at."""
     clear = any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models_of(program))
-    return bool(on_shapes(program)) and (clear or DELTA_AND_SMOOTH in program.bsdfs)
+    return has_targets(program) and (clear or DELTA_AND_SMOOTH in program.bsdfs)
 
 
 def follows_chains(program) -> bool:

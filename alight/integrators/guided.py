@@ -30,6 +30,7 @@ from alight.integrators.walk import (
     ROULETTE,
     to_local,
     to_world,
+    vertex_dimension,
 )
 from alight.samplers.sampling import get_1d, get_2d
 from lanewise.jit import kernel
@@ -196,3 +197,16 @@ def pixel_luminance(guide, sampler):
     column, row = to_uint(to_float(sampler.x) * across), to_uint(to_float(sampler.y) * down)
     last = lanes_u32(guide.picture.size - 1)
     return gather(guide.picture, minimum_u32(row * guide.blocks[0] + column, last))
+
+
+def write_surface_scatter(roulette):
+    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, unguided)``: with a guide."""
+    guided_scatter = write_guided_scatter(roulette, sample_at_surface, evaluate_at_surface)
+
+    @kernel
+    def next_direction(scene, settings, path, here, surface, wo):
+        vertex = Vertex(surface.p, surface, wo, vertex_dimension(path.depth + 1), ())
+        found, _, unguided = guided_scatter(scene, settings, path, here, vertex, path.active)
+        return found, unguided
+
+    return next_direction

@@ -23,8 +23,8 @@ Light from covered directions is what the estimate above counts, all other light
 paths find it. Both ask the same function of the direction, so nothing is missed or counted twice;
 what walks are worth decides the noise alone. The estimate needs covered directions to have a
 density: seeds near :math:`\omega` end near s', and the ellipse that is drawn from is a little
-larger. :math:`M = \kappa p_{s'}(\omega)`; solutions with a larger density are not taken, neither
-here nor where :math:`\omega` is drawn.
+larger. :math:`M = \kappa p_{s'}(\omega)`; solutions with a larger density count as if it was M: a
+direction that was drawn from one is kept with the probability :math:`M / p_s(\omega)`.
 
 Source: Zeltner, Georgiev and Jakob, Specular manifold sampling, SIGGRAPH 2020; Hanika, Droske and
 Fascione, Manifold next event estimation, EGSR 2015; Booth, Unbiased Monte Carlo estimation of the
@@ -44,15 +44,16 @@ from alight.integrators.dispersed import meet_dispersion
 from alight.integrators.manifold_search import PAIRS, Begin, Search, search_lamps
 from alight.integrators.manifold_walk import place_near
 from alight.integrators.moments import at_times_of
-from alight.integrators.specular_chain import Target
 from alight.integrators.walk import gather_light, to_local
-from alight.lights.targets import choose_target, sphere_of
+from alight.lights.tables import INFO
+from alight.lights.targets import choose_target, far_light, target_at
 from alight.media.tables import Stream, step_numbers
 from lanewise.jit import kernel
 from lanewise.records import local_records, put_records, records_at, replace
 from lanewise.simd import (
     LANES,
     any_lane,
+    count_bits,
     lane_index,
     lanes,
     lanes_mask,
@@ -107,7 +108,7 @@ def _is_taken(trial, search, result):
     """Mask: searches are as many as one over the density of the direction, once one is taken."""
     _, density = place_near(result.first, trial.w)
     u, _ = step_numbers(search.stream, search.first + (PAIRS - 1))
-    return (density <= trial.most) & (u * trial.most < density)
+    return u * trial.most < density
 
 
 @kernel
@@ -118,19 +119,21 @@ def _going_on(number):
 
 
 def write_add_caustics(listeners):
-    """``(scene, settings, path, surface, wo, active) -> (path, covered)``: light behind glass.
+    """``(scene, settings, path, surface, wo, active, left) -> (path, covered)``.
 
-    Light of lamps behind mirrors and glass is added where paths scatter it. covered: mask, the lamp
-    that the path has hit was counted where the path was last scattered. `listeners`: kernels of
-    `alight.integrators.contributions`, or nothing in the place of each.
+    Light of lamps behind mirrors and glass is added where active paths scatter it. left: mask,
+    paths that have left the scene to the disk that is a target. covered: mask, the light that the
+    path has found, on its surface or there, was counted where the path was last scattered.
+    `listeners`: kernels of `alight.integrators.contributions`, or nothing in the place of each.
     """
     recorded, find = listeners.find is not None, listeners.find
 
     @kernel
-    def add_caustics(scene, settings, path, surface, wo, active):
+    def add_caustics(scene, settings, path, surface, wo, active, left):
+        """One search a lane; then its repetitions, by all lanes for one after the other."""
         depth, rays = path.depth + 1, path.rays
         shining = surface.light != 0
-        given = active & shining & path.chain.known & (path.chain.type.count > 0)
+        given = (left | (active & shining)) & path.chain.known & (path.chain.type.count > 0)
         stream = _stream(path)
         # One more surface and the lamp.
         looking = active & ~shining & (depth + 1 < settings.max_depth)
@@ -139,14 +142,14 @@ def write_add_caustics(listeners):
         probability = minimum(maximum(max_component(absolute_vec3(path.beta)), LEAST_CHANCE), 1.0)
         looking = looking & (chance < probability)
         lamp, chosen = choose_target(scene, u)
-        lamp = where(given, surface.light - 1, lamp)
-        c, radius = sphere_of(scene, lamp)
-        given, looking = given & (radius > 0.0), looking & (radius > 0.0)
+        lamp = where(given, where(left, lanes_u32(far_light(scene)), surface.light - 1), lamp)
+        target = target_at(scene, lamp)
+        given, looking = given & (target.radius > 0.0), looking & (target.radius > 0.0)
         covered = lanes_mask(False)
         if any_lane(given | looking):
             factor, total = lanes_vec3(0.0), lanes(0.0)
             number, made = lanes_u32(0), lanes(0.0)
-            target, first = Target(lamp, c, radius), lanes_u32(OWN_PAIRS)
+            first = lanes_u32(OWN_PAIRS)
             search = Search(
                 surface=surface, wo=wo, d=path.d, bodies=path.bodies, target=target, stream=stream,
                 first=first,
@@ -163,8 +166,10 @@ def write_add_caustics(listeners):
                 if repeating:
                     weight = 1.0 / _going_on(number)
                     bits = mask_bits(_is_taken(trial, search, result))
-                    count = trailing_zeros(bits) + 1 if bits != 0 else LANES
-                    made = made + weight * to_float(lanes_u32(count))
+                    taken = count_bits(bits)
+                    # Of the first one that is taken, the mean place among them all.
+                    count = (LANES + 1.0) / (taken + 1.0) if taken != 0 else 1.0 * LANES
+                    made = made + lanes(weight * count)
                     number = number + LANES
                     if bits != 0 or not any_lane(trial.stop < _going_on(number)):
                         mine_now = lane_index() == trailing_zeros(waiting)
@@ -180,7 +185,8 @@ def write_add_caustics(listeners):
                     # Light from there, if it is and its solution is one that is taken.
                     most = SLACK * density
                     _, drawn = place_near(result.first, w)
-                    lit = looking & holds & (drawn > 0.0) & (drawn <= most)
+                    accept, _ = step_numbers(stream, first + (PAIRS - 1))
+                    lit = looking & holds & (accept * drawn < minimum(drawn, most))
                     lit = lit & (max_component(result.found) > 0.0)
                     lit = lit & (depth + result.type.count < settings.max_depth)
                     lit = lit & ~enters_body(scene, surface, w)
@@ -205,7 +211,10 @@ def write_add_caustics(listeners):
             if recorded:
                 edges = depth + mine.type.count + 1
                 as_hit = replace(path, delta=lanes_mask(True))
-                find(scene, as_hit, lamp + 1, edges, looking & (total > 0.0), light)
+                # What is around the scene is known by its last light.
+                last = lanes_u32(scene.lights.info.size // INFO)
+                row = where(target.far, last, lamp + 1)
+                find(scene, as_hit, row, edges, looking & (total > 0.0), light)
         return replace(path, rays=rays), covered
 
     return add_caustics

@@ -38,6 +38,7 @@ from alight.integrators.manifold_walk import (
 )
 from alight.integrators.specular_chain import Plan, Start, follow
 from alight.integrators.walk import to_world
+from alight.lights.targets import way_to
 from alight.media.tables import step_numbers
 from alight.shapes.hit import spawn_origin
 from lanewise.jit import kernel
@@ -83,7 +84,7 @@ Result = namedtuple("Result", "first second type w found rays")
 @kernel
 def _towards(search, u, v):
     """A direction about that of the target; the logarithm of its distance is uniform."""
-    to = search.target.c - search.surface.p
+    to = way_to(search.target, search.surface.p)
     distance = maximum(length(to), 1e-20)
     axis = to * (1.0 / distance)
     # 1 - cos, from the edge of the target to the other side of the world.
@@ -124,7 +125,7 @@ def search_lamps(scene, search, begin):
     type, found = begin.type, lanes_vec3(0.0)
     drawn, late, rays = w, begin.given, 0
     target = search.target
-    size = 0.5 * target.radius / maximum(length(target.c - o), 1e-20)
+    size = 0.5 * target.radius / maximum(length(way_to(target, o)), 1e-20)
     h = minimum(maximum(size, LEAST_STEP), MOST_STEP)
     near = step_numbers(search.stream, search.first + 2)
     while any_lane(stage != ENDED):

@@ -64,13 +64,10 @@ from alight.integrators.dispersed import at_wavelength_of, meet_dispersion
 from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed, left_along
 from alight.integrators.guided import (
     NOWHERE,
-    Vertex,
-    evaluate_at_surface,
     guide_at,
     is_guided,
     mixed_density,
-    sample_at_surface,
-    write_guided_scatter,
+    write_surface_scatter,
 )
 from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.manifold_sampling import write_add_caustics
@@ -78,6 +75,7 @@ from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import (
     drawn_by_bsdf,
+    is_led_to_disk,
     write_is_from_camera,
     write_reach_environment,
     write_reach_lamp,
@@ -100,6 +98,7 @@ from alight.integrators.walk import (
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
 from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
+from alight.lights.targets import has_far_target
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
@@ -120,8 +119,8 @@ class Path(PathTracing):
     heuristic : {"power", "balance"}, default "power"
         How "mis" weights the two techniques that find light.
     caustics : {"paths", "manifold"}, default "paths"
-        How lamps are found behind mirrors and clear glass: by paths that happen to hit them, or
-        also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
+        How lamps and the sun are found behind mirrors and clear glass: by paths that happen to hit
+        them, or also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
     """
 
     walks_inside: ClassVar[bool] = True
@@ -214,6 +213,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
 
 def _write_trace(program, bsdf_weight, listeners):
     environment = bool(environments_of(program))
+    far = follows_chains(program) and has_far_target(program)
     hides = program.option("hide_emitters", False)
     unguided = drawn_by_bsdf if is_guided(program) else None
     reach_environment = write_reach_environment(bsdf_weight, listeners, unguided)
@@ -230,6 +230,10 @@ def _write_trace(program, bsdf_weight, listeners):
         if hides:
             missed = missed & ~is_from_camera(path)
         # The ray left the scene: light of the environment.
+        if far:
+            # They wait, until it is known whether it counts.
+            led = missed & is_led_to_disk(scene, path)
+            missed, active = missed & ~led, active | led
         if environment:
             path = reach_environment(scene, path, missed)
         return replace(path, active=active), hit
@@ -238,23 +242,27 @@ def _write_trace(program, bsdf_weight, listeners):
 
 
 def _write_shade(program, scatter, strategy, roulette, weights, listeners):
+    """The second half; parameters as for `stages`."""
     bsdf_weight, light_weight = weights
     by_light = strategy in ("emitter", "mis") and bool(program.lights)
     samples_lights = by_light or has_delta_lights(program)
     area_lights, holes = bool(on_shapes(program)), has_null(program)
     guided, chains = is_guided(program), follows_chains(program)
+    far = chains and has_far_target(program)
+    reach_environment = write_reach_environment(bsdf_weight, listeners)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
     add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), write_is_from_camera(program)
-    next_direction = _write_guided_scatter(roulette) if guided else _write_scatter(scatter)
+    next_direction = write_surface_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = write_end_dim_paths(program, guided)
     add_caustics = write_add_caustics(listeners)
 
     @kernel
     def shade(scene, settings, path, hit):
         """One more vertex, where the rays of active paths met a surface."""
-        active, depth = path.active, path.depth + 1
+        left = path.active & (hit.t == INFINITY) if far else lanes_mask(False)
+        active, depth = path.active & ~left, path.depth + 1
         surface = at_wavelength_of(make_surface(scene, hit, path.o, path.d, active), path.sampler)
         wo = to_local(surface, -path.d)
         if recorded:
@@ -270,7 +278,9 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
 
         covered = lanes_mask(False)  # Lamps that count already, as caustics.
         if chains:
-            path, covered = add_caustics(scene, settings, path, surface, wo, active)
+            path, covered = add_caustics(scene, settings, path, surface, wo, active, left)
+        if far:
+            path = reach_environment(scene, path, left & ~covered)
 
         # The ray hit a light: the BSDF's technique, weighted by w_b.
         if area_lights:
@@ -315,21 +325,8 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     return shade
 
 
-def _write_guided_scatter(roulette):
-    """``(scene, settings, path, here, surface, wo) -> (BsdfSample, unguided)``: with a guide."""
-    guided_scatter = write_guided_scatter(roulette, sample_at_surface, evaluate_at_surface)
-
-    @kernel
-    def next_direction(scene, settings, path, here, surface, wo):
-        vertex = Vertex(surface.p, surface, wo, vertex_dimension(path.depth + 1), ())
-        found, _, unguided = guided_scatter(scene, settings, path, here, vertex, path.active)
-        return found, unguided
-
-    return next_direction
-
-
 def _write_scatter(scatter):
-    """As `_write_guided_scatter`, without a guide."""
+    """As `write_surface_scatter`, without a guide."""
 
     @kernel
     def next_direction(scene, settings, path, here, surface, wo):

@@ -12,6 +12,7 @@ from alight.core.vec import length
 from alight.integrators.walk import gather_light, gather_unguided
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.misses import environment_pdf, environment_radiance
+from alight.lights.targets import leads_to_disk
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import any_lane, where
@@ -46,6 +47,13 @@ def write_reach_environment(bsdf_weight, listeners, unguided=None):
         return path
 
     return reach_environment
+
+
+@kernel
+def is_led_to_disk(scene, path):
+    """Mask: paths whose chains end in the disk that is a target, if they leave the scene."""
+    chain = path.chain
+    return chain.known & (chain.type.count > 0) & leads_to_disk(scene, path.d)
 
 
 def write_reach_lamp(bsdf_weight, holes, listeners, unguided=None):

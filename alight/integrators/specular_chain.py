@@ -26,15 +26,12 @@ from alight.integrators.dispersed import spreads
 from alight.integrators.enclosing import bodies_beyond, come_to
 from alight.integrators.walk import count_lanes, to_local, to_world
 from alight.lights.hits import emitted
+from alight.lights.targets import found_beyond, way_to
 from alight.media.tables import step_numbers
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, lanes_vec3, minimum, where
-
-#: A lamp that chains should lead to. light: u32, its row; c, radius: Vec3 and float, metres, a
-#: sphere around it.
-Target = namedtuple("Target", "light c radius")
 
 #: How chains are followed. type: of those that are given; chance: mask, the others choose events;
 #: final: mask, what the last ray meets is looked at; first: u32, number of the first pair in the
@@ -43,7 +40,7 @@ Plan = namedtuple("Plan", "type chance final stream first")
 
 #: What came of it. fine: mask, the chain is possible; type; miss: Vec3, by which the last ray
 #: passes the middle of the target, in radii; found: Vec3, radiance of the target that it meets,
-#: times all factors on the way.
+#: times all factors on the way. `alight.lights.targets` says what targets are.
 Followed = namedtuple("Followed", "fine type miss found rays")
 
 
@@ -78,7 +75,7 @@ def extended(scene, chain, surface, o, d, flags):
 @kernel
 def _miss_of(o, d, target):
     """(by how much, as a Vec3 in radii; angle) a ray passes the middle of the target."""
-    to = target.c - o
+    to = way_to(target, o)
     along = dot(to, d)
     ahead = along > 0.0
     miss = where(ahead, to - along * d, to)
@@ -114,6 +111,8 @@ def follow(scene, start, target, plan, active):
         if any_lane(arrived):
             shines = arrived & (surface.light == target.light + 1)
             found = where(shines, beta * emitted(scene, surface, -d), found)
+        left = going & ~met & ~chance & (passed.count == type.count)
+        found = where(left, beta * found_beyond(scene, target, d, left), found)
         # One more mirror or piece of glass.
         turning = met & ~arrived
         u, choice = step_numbers(plan.stream, plan.first + passed.count)

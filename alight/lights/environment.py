@@ -38,6 +38,7 @@ from alight.core.maths import arctan2, sincos_2pi
 from alight.core.noise_only import NoiseOnly
 from alight.core.spec import Color, Degrees, Light, Triple, Truth, invalid
 from alight.core.vec import Vec3, dot, row_vec3
+from alight.lights.bright_disk import Disk, brightest_disk
 from alight.lights.environment_map import (
     BAND,
     COLUMNS,
@@ -153,6 +154,17 @@ def map_of(spec: Environment, to_world: np.ndarray, compensated: bool) -> Enviro
     compensated : bool
         Whether BSDF sampling finds what the map leaves out.
     """
+    compensated = compensated and spec.compensation
+    return environment_map(*_oriented(spec, to_world), spec.sampling, compensated)
+
+
+def disk_of(spec: Environment, to_world: np.ndarray) -> Disk | None:
+    """The sun in a picture, if there is one; see `alight.lights.model.LightModel`."""
+    return brightest_disk(*_oriented(spec, to_world))
+
+
+def _oriented(spec: Environment, to_world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(radiance of each texel, rotation from the world to the map)."""
     assert isinstance(spec.pixels, Image)
     axes = to_world[:3, :3] / np.linalg.norm(to_world[:3, :3], axis=0)
     turn = np.radians(spec.rotate)
@@ -160,8 +172,7 @@ def map_of(spec: Environment, to_world: np.ndarray, compensated: bool) -> Enviro
         [[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]]
     )
     radiance = np.broadcast_to(spec.pixels.linear(), (*spec.pixels.texels.shape[:2], 3))
-    compensated = compensated and spec.compensation
-    return environment_map(radiance, (axes @ about_y).T, spec.sampling, compensated)
+    return radiance, (axes @ about_y).T
 
 
 # In what follows `at` is where the map starts in the table.

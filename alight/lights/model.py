@@ -11,6 +11,7 @@ import numpy as np
 from alight.core.constants import PI
 from alight.core.registry import Kernel, Record, Records
 from alight.core.spec import Light, Texture, Triple
+from alight.lights.bright_disk import Disk
 from alight.lights.environment_map import EnvironmentMap
 
 
@@ -79,6 +80,8 @@ class LightModel(Record):
         Around the scene: its picture; the last argument leaves light to BSDF sampling.
     beside_the_map : (spec) -> triple
         Mean over all directions of what is not in it.
+    disk_of : (spec, (4, 4) float64) -> Disk or None
+        Around the scene: a part that is so small and bright that paths may aim at it.
     left_out : kernel ``(scene, back)``
         Around the scene: share of its light that `sample` leaves to BSDF sampling; none by default.
     window : (numbers) -> float
@@ -108,6 +111,7 @@ class LightModel(Record):
     texture: Callable[[Any], Texture | None] = no_texture
     map_of: Callable[[Any, np.ndarray, bool], EnvironmentMap] | None = None
     beside_the_map: Callable[[Any], Triple] = nothing_beside
+    disk_of: Callable[[Any, np.ndarray], Disk | None] | None = None
     left_out: Kernel | None = None
     window: Callable[[np.ndarray], float] = no_window
     window_point: Kernel | None = None

@@ -18,6 +18,7 @@ from alight.core.frame import frame_from_normal
 from alight.core.spec import Color, Triple
 from alight.core.vec import length_squared, renormalize, row_vec3
 from alight.core.warps import square_to_uniform_cone
+from alight.lights.bright_disk import Disk
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, solid_angle
 from alight.lights.tables import from_infinity, row_of
 from lanewise.jit import kernel
@@ -75,6 +76,19 @@ def mean_color(spec: Sun) -> Triple:
     share = solid_angle(DIAMETER) / (4.0 * PI)
     r, g, b = (float(a * c) * share for a, c in zip(spec.of_the_sun, spec.scale, strict=True))
     return r, g, b
+
+
+def disk_of(spec: Sun, to_world: np.ndarray) -> Disk:
+    """The disk itself; see `alight.lights.model.LightModel`."""
+    return seen_disk(
+        spec, spec.diameter, mean_color(spec.replaced(scale=(1.0, 1.0, 1.0))), to_world
+    )
+
+
+def seen_disk(light: Daylight, diameter: float, mean: Triple, to_world: np.ndarray) -> Disk:
+    """The `disk` of a light as paths aim at it."""
+    turned = to_world[:3, :3] @ light.to_sun
+    return Disk(turned / np.linalg.norm(turned), float(np.radians(0.5 * diameter)), mean)
 
 
 def power(luminance: float, area: float, radius: float) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 
 from alight.core.spec import Color, Reflectance, Triple
 from alight.core.vec import luminance
+from alight.lights.bright_disk import Disk
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, picture, solid_angle
 from alight.lights.environment import Environment
 from alight.lights.environment import left_out as left_out_of_sky
@@ -25,7 +26,7 @@ from alight.lights.environment import power as power
 from alight.lights.environment import radiance as radiance_of_sky
 from alight.lights.environment import sample as sample_sky
 from alight.lights.environment_map import EnvironmentMap
-from alight.lights.sun import SHARE, TO_SUN, disk, to_the_disk
+from alight.lights.sun import SHARE, TO_SUN, disk, seen_disk, to_the_disk
 from alight.lights.sun import pdf as pdf_of_sun
 from alight.lights.sun import radiance as radiance_of_sun
 from alight.lights.tables import from_infinity, row_of
@@ -113,6 +114,11 @@ def beside_the_map(spec: SunSky) -> Triple:
     share = solid_angle(DIAMETER) / (4.0 * np.pi)
     r, g, b = (float(a * c) * share for a, c in zip(spec.of_the_sun, spec.sun_scale, strict=True))
     return r, g, b
+
+
+def disk_of(spec: SunSky, to_world: np.ndarray) -> Disk:
+    """The sun; see `alight.lights.model.LightModel`."""
+    return seen_disk(spec, spec.diameter, beside_the_map(spec), to_world)
 
 
 def share_all_around(numbers: np.ndarray) -> float:

@@ -5,6 +5,8 @@ from tests.mutants.mutant import Mutant
 TESTS = "tests/estimators/test_caustics.py"
 GLASS = "tests/estimators/test_caustics_at_glass.py::test_caustics_are_those_that_paths_find"
 SAME = f"{TESTS}::test_caustics_are_those_that_paths_find"
+SUN = "tests/estimators/test_caustics_of_the_sun.py"
+UNDER_WATER = f"{SUN}::test_the_sun_lights_the_ground_under_water"
 WATER, PANE = (
     f"{TESTS}::test_a_small_lamp_lights_the_ground[{name}]" for name in ("water", "pane")
 )
@@ -19,7 +21,7 @@ MANIFOLDS = (
     Mutant(
         "one over the density of a caustic taken for one",
         "integrators/manifold_sampling.py",
-        (("made = made + weight * to_float(lanes_u32(count))", "made = lanes(1.0)"),),
+        (("made = made + lanes(weight * count)", "made = lanes(1.0)"),),
         WATER,
     ),
     Mutant(
@@ -27,6 +29,24 @@ MANIFOLDS = (
         "integrators/manifold_walk.py",
         (("INV_PI / (MARGIN * MARGIN)", "1.02 * INV_PI / (MARGIN * MARGIN)"),),
         WATER,
+    ),
+    Mutant(
+        "searches of a packet counted as if one of them was the last",
+        "integrators/manifold_sampling.py",
+        (("(LANES + 1.0) / (taken + 1.0)", "(LANES + 0.0) / (taken + 0.0)"),),
+        WATER,
+    ),
+    Mutant(
+        "caustics of the sun that paths find once more",
+        "integrators/path.py",
+        (("left & ~covered)", "left)"),),
+        UNDER_WATER,
+    ),
+    Mutant(
+        "the sun of a picture on its other side",
+        "lights/bright_disk.py",
+        (("Disk(to_map.T @ axis,", "Disk(to_map @ axis,"),),
+        f"{SUN}::test_the_sun_of_a_picture_is_found",
     ),
     Mutant(
         "repeated searches that end at chains of another type",
