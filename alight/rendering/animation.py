@@ -84,9 +84,13 @@ class Animation:
 
     Attributes
     ----------
+    prepared : Prepared
+        The render of a frame: its scene, and what is suspicious of it.
     scene : Scene
     numbers : range
         Of the frames.
+    current : int
+        Number of the frame that is rendered now, or that is next.
     kept : list of Path
         Files of frames that were there already.
     """
@@ -99,7 +103,8 @@ class Animation:
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
         single = options.of_frame(())
-        self.scene = prepare(scene, single).scene
+        self.prepared = prepare(scene, single)
+        self.scene, self.current = self.prepared.scene, self.numbers.start
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
         self.kept: list[Path] = []
@@ -125,7 +130,8 @@ class Animation:
     def _render(self) -> list[Path]:
         shown: list[np.ndarray] = []
         written: list[Path] = []
-        for number in self.numbers:
+        for self.current in self.numbers:
+            number = self.current
             paths = [numbered(path, number) for path in self.patterns]
             image = self._frame(number, paths)
             written += paths

@@ -116,9 +116,60 @@ def test_mistakes_are_told(words, message):
         alight.animate("cornell-box", **words)
 
 
+COMMAND = ["render", "cornell-box", "--size", "8", "--spp", "1", "--threads", "1"]
+
+
+def command(*words):
+    return CliRunner().invoke(app, [*COMMAND, *map(str, words)])
+
+
 def test_the_command_says_what_it_kept(tmp_path):
-    words = ["animate", "cornell-box", "--frames", "0:2", "--size", "8", "--spp", "1", "-o"]
+    words = ["--frames", "0:2", "--fps", "24", "-o", tmp_path / "f_####.exr"]
     for said in ("2 frames: 2 files\n", "2 frames: 2 files, 2 of them kept\n"):
-        done = CliRunner().invoke(app, [*words, str(tmp_path / "f_#.png")])
+        done = command(*words)
         assert done.exit_code == 0, done.output
         assert done.output.endswith(said)
+    assert frames_of(tmp_path) == ["f_0000.exr", "f_0001.exr"]
+
+
+def test_a_frame_of_the_command_is_that_of_python(tmp_path, renders):
+    done = command("--turntable", "--frames", "0:3", "-o", tmp_path / "f_####.png")
+    assert done.exit_code == 0, done.output
+    animate(tmp_path, turntable=True)
+    assert len(renders) == 3
+
+
+def test_a_stopped_command_says_where_it_goes_on(tmp_path, monkeypatch):
+    render = animation.main_loop.render_film
+    left = [None, None]
+
+    def stopped(scene, options):
+        if not left:
+            raise KeyboardInterrupt
+        left.pop()
+        return render(scene, options)
+
+    words = ["--turntable", "--frames", "5:9", "-o", tmp_path / "f_####.png"]
+    monkeypatch.setattr(animation.main_loop, "render_film", stopped)
+    done = command(*words)
+    assert done.exit_code == 130
+    assert "stopped at frame 7; the same command goes on there" in done.output
+    assert frames_of(tmp_path) == ["f_0005.png", "f_0006.png"]
+    monkeypatch.undo()
+    assert command(*words).output.endswith("4 frames: 4 files, 2 of them kept\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--fps", "8"], "--fps: is for an animation: give --frames, as 0:120, or --turntable"),
+        (["-o", "a.mp4"], "--output: a.mp4 holds an animation: give --frames, as 0:120, or --turn"),
+        (["--frames", "3"], "--frames: must be FIRST:END with 0 <= FIRST < END, as 0:120, got"),
+        (["--frames", "0:2", "-o", "a.exr"], "--output: must hold #### for the number of the"),
+        (["--turntable", "--stats", "a.json", "-o", "a_#.png"], "--stats: is for a single picture"),
+    ],
+)
+def test_mistakes_of_the_command_are_told(words, message):
+    done = command(*words)
+    assert done.exit_code == 2
+    assert f"error: {message}" in done.output
