@@ -130,8 +130,8 @@ class Animation:
     def _render(self) -> list[Path]:
         shown: list[np.ndarray] = []
         written: list[Path] = []
-        for self.current in self.numbers:
-            number = self.current
+        for number in self.numbers:
+            self.current = number
             paths = [numbered(path, number) for path in self.patterns]
             image = self._frame(number, paths)
             written += paths
