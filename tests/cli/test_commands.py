@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from alight import __version__
@@ -135,6 +136,19 @@ def test_doctor_names_the_command_that_mends_a_missing_extra(monkeypatch):
     assert result.exit_code == 1
     assert "BAD nosuchcore        missing; pip install nosuchcore" in result.output
     assert f"extra lab         missing nosuchextra; {install_command('lab')}" in result.output
+
+
+#: They read neither scenes nor tone curves.
+WITHOUT_MODELS = {"cluster keys", "cluster status", "doctor", "scene random", "scenes"}
+
+
+def test_every_command_that_needs_models_takes_those_of_scripts():
+    found = {}
+    for name, command in get_command(app).commands.items():
+        for below, inner in getattr(command, "commands", {"": command}).items():
+            words = {option for parameter in inner.params for option in parameter.opts}
+            found[f"{name} {below}".strip()] = "--plugin" in words
+    assert {name for name, takes in found.items() if not takes} == WITHOUT_MODELS
 
 
 def test_doctor_works_without_installation(monkeypatch):
