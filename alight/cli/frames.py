@@ -60,4 +60,5 @@ def render_frames(
         raise typer.Exit(interruption.exit_code)
     if not quiet:
         kept = f", {len(made.kept)} of them kept" if made.kept else ""
-        typer.echo(f"{len(made.numbers)} frames: {len(written)} files{kept}")
+        files = "1 file" if len(written) == 1 else f"{len(written)} files"
+        typer.echo(f"{len(made.numbers)} frames: {files}{kept}")

@@ -168,16 +168,12 @@ _SKY = "pixels: [[[0.2, 0.4, 1], [0.2, 0.4, 1], [4, 3, 2], [0.2, 0.4, 1]], [[0.2
     ", [0.2, 0.2, 0.2]" * 3 + "]]"
 )
 _SLIDE = "pixels: [[[3, 0, 0], [3, 3, 0]], [[0, 0, 3], [0, 3, 0]]], scale: 12"
-_PROFILE = "vertical_angles: [0, 10, 20, 30, 40, 90], horizontal_angles: [0], scale: 0.05"
+_PROFILE = "vertical_angles: [0, 10, 20, 30, 40, 90], horizontal_angles: [0], scale: 40"
 
 STRIPS: dict[str, Strip] = {
     # ------------------------------------------------------------------ the scene itself
     "scene.integrator": Strip(
         _BOX, "integrator={}", ("{type: ambient_occlusion}", "{type: direct}", "{type: path}")
-    ),
-    "scene.sampler": Strip(
-        "soft-shadows", "sampler={}",
-        ("{type: independent}", "{type: multijittered}", "{type: sobol}"), spp=4,
     ),
     "film.size": Strip(_BALL, "film.size={}", ("[14, 10]", "[28, 21]", "[112, 84]"), spp=128),
     "film.filter": Strip(
@@ -204,7 +200,6 @@ STRIPS: dict[str, Strip] = {
     **_pixels("box", radius="0.5|1|2"),
     **_pixels("tent", radius="1|2|4"),
     **_pixels("gaussian", stddev="0.3|0.5|1"),
-    **_pixels("mitchell", b="0|0.333|1", c="0|0.333|1"),
     # ------------------------------------------------------------------ shapes
     **_shape("sphere", radius="0.5|0.8|1.1", center="[-1, 0, 0]|[0, 0, 0]|[1, 0, 0]"),
     "rectangle.flip_normals": Strip(
@@ -234,19 +229,16 @@ STRIPS: dict[str, Strip] = {
     ),
     **_lamp("spot", "intensity: 60, cutoff_angle: 16", beam_width="2|8|16"),
     **_around("environment", _SKY, rotate="0|90|180", scale="0.3|1|3"),
+    **_around("sky", exposure=-4.5, sun_direction=_SUN),
     **_around(
-        "sky", exposure=2.5, sun_direction=_SUN,
+        "sky", "sun_direction: [0.3, 0.3, 0.3]", -4.5, turbidity="2|5|10",
     ),
+    **_around("sun", "scale: 0.015", sun_direction=_SUN),
+    **_around("sun", "scale: 0.015, sun_direction: [0.3, 0.5, 0.3]", diameter="0.5|6|25"),
+    **_around("sunsky", exposure=-6.0, sun_direction=_SUN),
     **_around(
-        "sky", "sun_direction: [0.3, 0.3, 0.3]", 2.5, turbidity="2|5|10", ground="0|0.3|1",
-    ),
-    **_around("sun", "scale: 0.00006", sun_direction=_SUN),
-    **_around(
-        "sun", "scale: 0.00006, sun_direction: [0.3, 0.5, 0.3]", diameter="0.5|6|25",
-    ),
-    **_around("sunsky", sun_direction=_SUN),
-    **_around(
-        "sunsky", "sun_direction: [0.3, 0.5, 0.3]", turbidity="2|5|10", diameter="0.5|6|25"
+        "sunsky", "sun_direction: [0.3, 0.5, 0.3]", -6.0, turbidity="2|5|10",
+        diameter="0.5|6|25",
     ),
     **_lamp(
         "ies", _PROFILE,
@@ -255,13 +247,15 @@ STRIPS: dict[str, Strip] = {
     ),
     **_lamp("projector", _SLIDE, fov="15|30|45", aspect="0.5|1|2", cutoff_angle="6|10|16"),
     # ------------------------------------------------------------------ media
-    "homogeneous.sigma_t": Strip("fog", "media.fog.sigma_t={}", ("0.03", "0.12", "0.4")),
-    "homogeneous.albedo": Strip("fog", "media.fog.albedo={}", ("0.3", "0.95", "[0.5, 0.8, 0.95]")),
+    "homogeneous.sigma_t": Strip("fog", "media.fog.sigma_t={}", ("0.03", "0.12", "0.4"), spp=160),
+    "homogeneous.albedo": Strip(
+        "fog", "media.fog.albedo={}", ("0.3", "0.95", "[0.5, 0.8, 0.95]"), spp=160
+    ),
     "homogeneous.phase": Strip(
         "fog", "media.fog.phase={}",
-        ("{type: rayleigh}", "{type: isotropic}", "{type: henyey_greenstein, g: 0.6}"),
+        ("{type: rayleigh}", "{type: isotropic}", "{type: henyey_greenstein, g: 0.6}"), spp=160,
     ),
-    "henyey_greenstein.g": Strip("fog", "media.fog.phase.g={}", ("-0.5", "0", "0.8")),
+    "henyey_greenstein.g": Strip("fog", "media.fog.phase.g={}", ("-0.5", "0", "0.8"), spp=160),
     "grid.sigma_t": Strip("cloud", "media.cloud.sigma_t={}", ("3", "22", "80"), spp=48),
     "grid.albedo": Strip(
         "cloud", "media.cloud.albedo={}", ("0.5", "0.95", "0.998"), spp=48

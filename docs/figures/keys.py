@@ -25,7 +25,7 @@ IMAGES = Path(__file__).resolve().parents[1] / "images" / "keys"
 WIDTH, HEIGHT, GAP = 112, 84, 4
 
 #: Colours of a strip's palette.
-COLOURS = 192
+COLOURS = 96
 
 
 def scene_of(strip: Strip, value: str) -> Scene:

@@ -10,7 +10,7 @@ from alight.cli.main import app
 from alight.options.animation import AnimationOptions
 from alight.rendering import animation
 from alight.rendering.animation import Animation, numbered
-from alight.scene.flatten import place_camera
+from alight.scene.flatten import flatten, place_camera
 
 SMALL = {"size": (8, 8), "spp": 1, "threads": 1}
 
@@ -77,7 +77,16 @@ def test_a_turntable_goes_once_around_the_middle_of_the_scene():
     assert np.allclose(np.roll(flat, -1, axis=0), np.stack([-flat[:, 1], flat[:, 0]], axis=1))
     # It looks at the same place from everywhere.
     local = np.linalg.inv(seen) @ [10.0, 1.0, 0.5, 1.0]
-    assert np.allclose(local, local[0])
+    assert np.allclose(local, local[0], atol=1e-5)
+
+
+def test_lamps_are_not_what_a_turntable_turns_about():
+    ball = {"shape": {"type": "sphere", "center": [3, 0, 0]}}
+    lamp = {"shape": {"type": "sphere", "center": [0, 9, 0]}, "light": {"type": "area"}}
+    scene = {"alight": 1, "camera": {"type": "pinhole"}, "nodes": {"lamp": lamp, "ball": ball}}
+    np.testing.assert_allclose(animation.middle(flatten(alight.load(scene)))[0], 3.0)
+    del scene["nodes"]["ball"]
+    assert animation.middle(flatten(alight.load(scene)))[1] > 0.0
 
 
 @pytest.mark.parametrize("suffix", ["gif", "apng"])
