@@ -3,8 +3,9 @@
     python benchmarks/startup.py [--skip-blob] [--repeats 5]
 
 Time from the command to a 512x512 picture at 16 spp with an empty kernel cache, then with a warm
-one; peak memory of the Cornell box and of the blob with a warm cache; rate on 2 threads over that
-on 1. Compares alight with itself only, so it needs no peers.
+one, with a combination of models that are known one by one, and with one that is new; peak memory
+of the Cornell box and of the blob with a warm cache; rate on 2 threads over that on 1. Compares
+alight with itself only, so it needs no peers.
 """
 
 import argparse
@@ -20,6 +21,9 @@ from tempfile import TemporaryDirectory
 from harness import Worker, alternate, median_ratio, print_json, print_table
 
 MIB_PER_KIB = 1 / 1024
+COPPER = "{type: rough_conductor, metal: copper}"
+PAINT = "{type: rough_plastic, diffuse_reflectance: [0.5, 0.1, 0.1]}"
+CLAY = "{type: oren_nayar}"
 RENDER = "from alight.cli.main import app; app()"
 
 
@@ -44,6 +48,11 @@ def first_pictures(repeats: int) -> list[dict[str, object]]:
         command += ["--size", "512x512", "--spp", "16", "--output", picture]
         fresh, _ = run(command, environment)
         warm = [run(command, environment) for _ in range(repeats)]
+        for model in (COPPER, PAINT):
+            run([*command, "--set", f"bsdfs.white={model}"], environment)
+        both = ["--set", f"bsdfs.white={COPPER}", "--set", f"bsdfs.red={PAINT}"]
+        combined, _ = run([*command, *both], environment)
+        new, _ = run([*command, "--set", f"bsdfs.white={CLAY}"], environment)
     return [
         {"what": "first picture, fresh cache", "value": fresh, "unit": "s"},
         {
@@ -51,6 +60,8 @@ def first_pictures(repeats: int) -> list[dict[str, object]]:
             "value": statistics.median(seconds for seconds, _ in warm),
             "unit": "s",
         },
+        {"what": "known models, a new combination", "value": combined, "unit": "s"},
+        {"what": "one new model", "value": new, "unit": "s"},
         {"what": "peak memory, cornell", "value": max(peak for _, peak in warm), "unit": "MiB"},
     ]
 

@@ -11,7 +11,6 @@ import typer
 
 from alight import __version__
 from alight.cli import cluster as cluster_commands
-from alight.cli.animate import animate
 from alight.cli.check import MutantCommand, check
 from alight.cli.compare import compare
 from alight.cli.convert import convert
@@ -46,7 +45,6 @@ app = typer.Typer(
 
 for command in (
     render,
-    animate,
     plan,
     resume,
     merge,

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from alight.cli.words import Quiet, takes_words
+from alight.cli.words import Plugins, Quiet, takes_words
 from alight.options.render import DisplayOptions
 
 
@@ -27,15 +27,18 @@ def merge(
         int | None,
         typer.Option(min=1, help="Refuse unless every pixel has exactly so many samples."),
     ] = None,
+    plugins: Plugins = None,
     quiet: Quiet = False,
 ) -> None:
     """Merge films of different samples of the same picture, or convert a single film."""
     from alight.cli.reporting import warn
     from alight.films.merging import check_samples
+    from alight.options.plugins import load_plugins
     from alight.rendering import merge as merge_films
     from alight.rendering.summary import bias_lines, error_line, warnings_of
     from alight.rendering.writing import Targets, write_outputs
 
+    load_plugins(plugins)
     targets = Targets(output, options.display, options.denoise)
     targets.check()
     film = merge_films(*films)

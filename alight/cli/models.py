@@ -5,12 +5,12 @@ from __future__ import annotations
 import shutil
 import sys
 import textwrap
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from alight.cli.scenes import entry
+from alight.cli.words import Plugins
 
 if TYPE_CHECKING:
     from alight.core.spec import Spec
@@ -23,16 +23,13 @@ def models(
             metavar="[NAME]", help="A model, a family, scene, node or film.", show_default="all"
         ),
     ] = None,
-    plugin: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="Python file that registers models; repeatable."),
-    ] = None,
+    plugins: Plugins = None,
 ) -> None:
     """List the models of scene files, or the keys of one."""
     from alight.options.plugins import load_plugins
     from alight.scene.keys import find, known_models, summary_of
 
-    load_plugins(plugin)
+    load_plugins(plugins)
     known = known_models()
     columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     if name is None or name in known:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import sys
+import threading
 import time
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
@@ -18,6 +20,10 @@ _ERROR_SHARE = 0.02
 
 #: Characters of the bar itself, however narrow the terminal.
 _SHORTEST_BAR = 10
+
+#: What is said while machine code is made, and the seconds after which a file or a pipe, which
+#: shows no bar, is told too: reading code that is kept takes less.
+COMPILING, _LONG = "compiling kernels (first run only)", 2.0
 
 
 class Bar:
@@ -85,22 +91,35 @@ class ProgressBar(Bar):
         The film of the last report, for whoever must write what is there.
     phase : str
         Of the last report; "load" before the first.
+    title : str
+        Goes before what is said of the render.
     """
 
     def __init__(self, quiet: bool = False, time_limit: float | None = None) -> None:
         super().__init__(quiet)
         self.film: Film | None = None
-        self.phase = "load"
+        self.phase, self.title = "load", ""
         self._time_limit = time_limit
         self._error, self._next_error = "", 1.0
+        self._speaks, self._timer = self._hidden and not quiet, threading.Timer(0.0, lambda: None)
+
+    def __exit__(self, *raised: Any) -> None:
+        """Remove the bar."""
+        self._timer.cancel()
+        super().__exit__(*raised)
 
     def __call__(self, progress: Progress) -> None:
         """Show how far the render is."""
         self.phase = progress.phase
         if progress.phase != "render":
-            text = "compiling kernels (first run only)" if progress.phase == "compile" else ""
-            self._bar.update(self._task, description=text or progress.phase, total=None)
+            text = COMPILING if progress.phase == "compile" else progress.phase
+            self._bar.update(self._task, description=f"{self.title}{text}", total=None)
+            if self._speaks:
+                self._timer = threading.Timer(_LONG, self._say, [text])
+                self._timer.daemon = True
+                self._timer.start()
             return
+        self._timer.cancel()
         self.film = progress.film
         seconds = max(progress.seconds, 1e-9)
         done, total = float(progress.done_samples), float(progress.total_samples)
@@ -110,12 +129,17 @@ class ProgressBar(Bar):
             done, total = min(seconds, self._time_limit), self._time_limit
         self._bar.update(
             self._task,
-            description="rendering",
+            description=f"{self.title}rendering",
             completed=done,
             total=total or None,
             rate=f"{progress.done_samples / seconds / 1e6:.2f} Msamples/s",
             error=self._current_error(progress),
         )
+
+    def _say(self, text: str) -> None:
+        """Say once, in one line, what takes long."""
+        self._speaks = False
+        sys.stderr.write(f"{text}\n")
 
     def _current_error(self, progress: Progress) -> str:
         if self._hidden or progress.film is None or progress.seconds < self._next_error:

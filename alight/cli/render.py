@@ -1,4 +1,4 @@
-"""``alight render``: a scene becomes a picture with an error bar."""
+"""``alight render``: a scene becomes a picture with an error bar, or an animation."""
 
 from __future__ import annotations
 
@@ -6,18 +6,25 @@ from pathlib import Path
 
 from alight.cli.reporting import note_unused, warn
 from alight.cli.words import DEFAULT_SCENE, Quiet, SceneName, spelling_of, takes_words
-from alight.options.render import RenderOptions
+from alight.options.animation import AnimationOptions
 
 
-@takes_words(RenderOptions)
-def render(options: RenderOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quiet = False) -> None:
-    """Render a scene, by default the Cornell box."""
+@takes_words(AnimationOptions)
+def render(
+    options: AnimationOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quiet = False
+) -> None:
+    """Render a scene, by default the Cornell box, or with --frames or --turntable an animation."""
     from alight.cli.finishing import run_and_finish
+    from alight.cli.frames import render_frames
     from alight.rendering.render import prepare
     from alight.rendering.schedules import time_limit_of
 
-    output = options.output or _own_name(Path(scene).stem, options.part)
-    prepared = prepare(scene, options.changed(output=output))
+    if options.has_frames:
+        render_frames(scene, options, spelling_of(render), quiet=quiet)
+        return
+    still = options.of_still
+    output = still.output or _own_name(Path(scene).stem, still.part)
+    prepared = prepare(scene, still.changed(output=output))
     if not quiet:
         note_unused(scene, prepared.scene)
     warnings = prepared.warnings(spelling_of(render))
@@ -25,7 +32,7 @@ def render(options: RenderOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quie
         warn(warning)
     run_and_finish(
         prepared.render, prepared.targets, warnings=warnings, quiet=quiet,
-        time_limit=time_limit_of(options),
+        time_limit=time_limit_of(still),
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from alight.cli.reporting import INTERRUPTED
+from alight.cli.words import Plugins, Quiet
 
 #: Exit code when a scene has no picture.
 FAILED = 1
@@ -57,15 +58,18 @@ def sheet(
             show_default="each scene's own folder",
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")] = False,
+    plugins: Plugins = None,
+    quiet: Quiet = False,
 ) -> None:
     """Make a contact sheet of scenes; a scene that fails shows its error message."""
     from alight.core.errors import OptionError
     from alight.lab.report.targets import check_target
     from alight.lab.sheet import SUFFIXES, Tile, find_scenes, render_tile, write_sheet
     from alight.options.kinds import Size
+    from alight.options.plugins import load_plugins
     from alight.outputs.display import Display
 
+    load_plugins(plugins)
     outputs = output or [Path("sheet.png")]
     try:
         size = Size().check(tile)

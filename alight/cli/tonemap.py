@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from alight.cli.words import Quiet, takes_words
+from alight.cli.words import Plugins, Quiet, takes_words
 from alight.options.render import DisplayOptions
 
 
@@ -24,15 +24,18 @@ def tonemap(
         list[Path] | None,
         typer.Option("-o", "--output", help="PNG or JPEG. Repeatable.", show_default="PICTURE.png"),
     ] = None,
+    plugins: Plugins = None,
     quiet: Quiet = False,
 ) -> None:
     """Write a film or a linear picture again for a display: exposure, white balance, tone curve."""
     from alight.core.errors import OptionError, OutputError
     from alight.films import Film
     from alight.films.storage import is_film_file
+    from alight.options.plugins import load_plugins
     from alight.outputs.image import check_writable, format_of, read_picture, write_image
     from alight.rendering.writing import Targets, write_outputs
 
+    load_plugins(plugins)
     if not picture.name:
         raise OutputError(f"cannot read {picture}: it is a folder")
     outputs = output or [picture.with_suffix(".png")]

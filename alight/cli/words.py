@@ -6,6 +6,7 @@ import functools
 import inspect
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any, get_args
 
 import typer
@@ -18,7 +19,19 @@ SceneName = Annotated[str, typer.Argument(help="Scene file, or a name that `alig
 Pixel = Annotated[str, typer.Option(metavar="X,Y", help="Pixel of the film, from the top left.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors.")]
 
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE.py",
+        help="Script that registers models (alight.register). Repeatable.",
+    ),
+]
+
 DEFAULT_SCENE = "cornell-box"
+
+#: How commands spell what has no table of theirs.
+_SPELLING = {"plugins": "--plugin"}
 
 
 def takes_words(table: type[Options]) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -62,7 +75,7 @@ def takes_words(table: type[Options]) -> Callable[[Callable[..., None]], Callabl
 
 def spelling_of(command: Callable[..., Any]) -> Callable[[str], str]:
     """How the user of a command spells an option that Python calls by a name."""
-    spelling = getattr(command, "spelling", {})
+    spelling = {**_SPELLING, **getattr(command, "spelling", {})}
     return lambda name: spelling.get(name, name)
 
 

@@ -9,6 +9,9 @@ import numpy as np
 
 Made = TypeVar("Made")
 
+#: What a function makes of a large array, known by the object, and a small one, known by its bits.
+Each = Callable[[Callable[[np.ndarray, np.ndarray], Any], np.ndarray, np.ndarray], Any]
+
 
 class Kept:
     """Results of the last compilation, used again where what they are made of is the same.
@@ -26,6 +29,7 @@ class Kept:
 
     def __init__(self) -> None:
         self._last: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._each: dict[str, dict[tuple[int, bytes], tuple[np.ndarray, Any]]] = {}
 
     def __call__(self, name: str, make: Callable[..., Made], *arguments: Any) -> Made:
         """What a function makes of its arguments, or made of equal ones the last time."""
@@ -33,6 +37,21 @@ class Kept:
         if last is None or not is_same(last[0], arguments):
             last = self._last[name] = arguments, make(*arguments)
         return last[1]
+
+    def each(self, name: str) -> Each:
+        """Keep many results of one name: those that this compilation asks for."""
+        before, now = self._each.get(name, {}), {}
+        self._each[name] = now
+
+        def known(make: Callable[[np.ndarray, np.ndarray], Any], a: np.ndarray, b: np.ndarray):
+            key = id(a), b.tobytes()
+            found = before.get(key)
+            if found is None or found[0] is not a or a.flags.writeable:
+                found = a, make(a, b)
+            now[key] = found
+            return found[1]
+
+        return known
 
 
 def is_same(one: Any, other: Any) -> bool:

@@ -138,7 +138,7 @@ def compile_scene(
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     if ABSORBING in bsdfs:
         materials = with_bodies(materials, flat)
-    shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures)
+    shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures, kept=kept)
     accel, plan, stats = kept(
         f"{structure} by {builder}",
         partial(build_accelerator, structure=structure, builder=builder, threads=threads),

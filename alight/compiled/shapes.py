@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from alight.accel.layout import TRIANGLES
 from alight.accel.primitives import Many, Moving
+from alight.compiled.kept import Kept
 from alight.compiled.mesh_tables import (
     NO_FACES,
     MeshArrays,
@@ -109,8 +110,9 @@ class CompiledShapes(NamedTuple):
 
 
 def compile_shapes(
-    flat: FlatScene, paths: MotionTable | None = None, *, uv_sets: bool = False
-) -> CompiledShapes:
+    flat: FlatScene, paths: MotionTable | None = None, *, uv_sets: bool = False,
+    kept: Kept | None = None,
+) -> CompiledShapes:  # fmt: skip
     """Make the tables of all shapes; the light of a shape is entered by `compile_lights`.
 
     Parameters
@@ -120,13 +122,15 @@ def compile_shapes(
         Numbers the motions.
     uv_sets : bool
         Whether textures name further sets of coordinates; else these are not kept.
+    kept : Kept, optional
+        Of the compilation before.
 
     Raises
     ------
     SceneError
         For shapes that are too small, too large or too flat for float32.
     """
-    compiler = _Compiler(flat, paths or MotionTable())
+    compiler = _Compiler(flat, paths or MotionTable(), kept or Kept())
     issues = []
     for source, placed in enumerate(flat.shapes):
         try:
@@ -141,6 +145,12 @@ def compile_shapes(
     return compiler.finish(uv_sets)
 
 
+def box_in_place(vertices: np.ndarray, to_world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the box around a mesh in its place, metres."""
+    corners = vertices @ to_world[:3, :3].T + to_world[:3, 3]
+    return corners.min(axis=0), corners.max(axis=0)
+
+
 def _out_of_range(placed: PlacedShape) -> str:
     scales = np.linalg.svd(placed.to_world[:3, :3], compute_uv=False)
     return (
@@ -150,8 +160,8 @@ def _out_of_range(placed: PlacedShape) -> str:
 
 
 class _Compiler:
-    def __init__(self, flat: FlatScene, paths: MotionTable):
-        self.flat, self.paths = flat, paths
+    def __init__(self, flat: FlatScene, paths: MotionTable, kept: Kept):
+        self.flat, self.paths, self.known = flat, paths, kept.each("boxes of instances")
         self.moving: list[Moving] = []
         self.many: list[Many] = []
         self.motions: list[int] = []
@@ -331,8 +341,7 @@ class _Compiler:
         flags = mesh_flags(mesh, placed.shape.flip_normals) | INSTANCED
         kind = placed.shape.type_name()
         index = self._enter(kind, source, placed, row, flags, np.zeros(0), place)
-        corners = mesh.vertices @ square[:3, :3].T + square[:3, 3]
-        self._grow(corners.min(axis=0), corners.max(axis=0))
+        self._grow(*self.known(box_in_place, mesh.vertices, square))
         self.instances.append((number, index, forward, backward))
 
     def _grow(self, low: np.ndarray, high: np.ndarray) -> None:

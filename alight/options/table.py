@@ -32,8 +32,9 @@ T = TypeVar("T")
 #: Headings of the command line's help, in their order.
 PICTURE, SAMPLING = "Picture", "Sampling"
 PROMISE = "Target error and adaptive sampling"
+ANIMATION = "Animation"
 SCENE, FOREIGN = "Overriding the scene file", "Scene files of other programs"
-PANELS = ("", PICTURE, SAMPLING, PROMISE, SCENE, FOREIGN)
+PANELS = ("", PICTURE, SAMPLING, PROMISE, ANIMATION, SCENE, FOREIGN)
 
 #: Types as documentation words them, the longest first.
 _TYPES = {

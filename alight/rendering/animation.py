@@ -35,6 +35,7 @@ from alight.rendering.render import prepare
 from alight.scene import Node, Scene, SceneManager, content_hash, flatten
 from alight.scene.flatten import FlatScene, place_camera
 from alight.scene.transform import matrix, rotate, translate
+from alight.shapes.model import SHAPES
 from lanewise.machine import fingerprint
 
 #: What a frame's file says of how it was made.
@@ -84,9 +85,13 @@ class Animation:
 
     Attributes
     ----------
+    prepared : Prepared
+        The render of a frame: its scene, and what is suspicious of it.
     scene : Scene
     numbers : range
         Of the frames.
+    current : int
+        Number of the frame that is rendered now, or that is next.
     kept : list of Path
         Files of frames that were there already.
     """
@@ -99,7 +104,8 @@ class Animation:
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
         single = options.of_frame(())
-        self.scene = prepare(scene, single).scene
+        self.prepared = prepare(scene, single)
+        self.scene, self.current = self.prepared.scene, self.numbers.start
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
         self.kept: list[Path] = []
@@ -126,6 +132,7 @@ class Animation:
         shown: list[np.ndarray] = []
         written: list[Path] = []
         for number in self.numbers:
+            self.current = number
             paths = [numbered(path, number) for path in self.patterns]
             image = self._frame(number, paths)
             written += paths
@@ -220,19 +227,23 @@ def label_in(path: Path) -> str | None:
 
 
 def middle(flat: FlatScene) -> np.ndarray:
-    """The middle of the box around all meshes and shapes with bounds, metres; else the origin."""
-    corners = []
-    for placed in flat.shapes:
+    """The middle of the box around all meshes and shapes with bounds, metres; else the origin.
+
+    Lamps stand around what is looked at: they count only where there is nothing else.
+    """
+    corners: list[np.ndarray] = []
+    for placed in [s for s in flat.shapes if s.light is None] or flat.shapes:
         if placed.geometry >= 0:
             points = flat.geometries[placed.geometry].vertices
             box = np.array([points.min(axis=0), points.max(axis=0)])
-        elif placed.shape.finite:
-            size = float(getattr(placed.shape, "radius", 1.0))
-            box = size * np.array([[-1.0] * 3, [1.0] * 3])
-        else:
+            mesh = np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(-1, 3)
+            corners.append(mesh @ placed.to_world[:3, :3].T + placed.to_world[:3, 3])
             continue
-        mesh = np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(-1, 3)
-        corners.append(mesh @ placed.to_world[:3, :3].T + placed.to_world[:3, 3])
+        for part, place in placed.shape.parts() or [(placed.shape, np.eye(4))]:
+            model = SHAPES[part.type_name()]
+            if model.bounds is not None and model.pack is not None:
+                ends = model.bounds(model.pack(part, placed.to_world @ place))
+                corners += [end.reshape(-1, 3) for end in ends]
     if not corners:
         return np.zeros(3)
     every = np.concatenate(corners)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -26,7 +27,11 @@ from alight.rendering.seeds import PILOT, seed_of_round
 from alight.rendering.tile import make_kernels, render_tile
 from alight.rendering.tiles import tiles_of
 from alight.rendering.training import Training
-from lanewise.machine import PORTABLE, fingerprint, target
+from lanewise.application import variable
+from lanewise.kept_files import lost
+from lanewise.machine import PORTABLE, cache_folder, fingerprint, target
+
+_LOG = logging.getLogger("alight")
 
 #: A part of the identity of films that machines of several kinds may go on with.
 TABLES = "tables"
@@ -245,6 +250,12 @@ class Job:
         tile = self.tiles[0]
         nothing = np.zeros((*self.rounds[0].cells.shape, 2), np.int64)
         render_tile(self.kernels, self.scene, self.settings, tile, ranges_of(tile, nothing))
+        if problem := lost():
+            _LOG.warning(
+                "the compiled kernels cannot be kept in %s (%s): the next render compiles them "
+                "again; set %s to a folder that can be written",
+                cache_folder().parent, problem.strerror or problem, variable("CACHE"),
+            )  # fmt: skip
 
     def next_work(self) -> Work | None:
         """What to render now; None when the schedule has given its verdict."""

@@ -149,6 +149,8 @@ def run(
     job.start(progress)
     executor.begin(job)
     clock.lap("compile")
+    if progress:
+        progress(job.progress())
     job.start_clock()
 
     reported = job.seconds

@@ -9,15 +9,16 @@ from __future__ import annotations
 import json
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from alight.core.errors import SceneError
 from alight.formats.loading import changed
-from alight.scene import Scene
+from alight.scene import Node, Scene, SceneManager
 from alight.scene.keyframes import Keyframes
 from alight.scene.nodes import all_nodes
 from alight.scene.steps import dump_transform
+from alight.view.pose import FOCUS
 from alight.view.tree import NEUTRAL, Field, fields_of, items_of
 
 #: Edits that can be undone.
@@ -33,11 +34,12 @@ class WrongValueError(ValueError):
 
 @dataclass(frozen=True)
 class Step:
-    """What an edit made of what; `path` is what was changed."""
+    """What an edit made of what; `path` is what was changed, `assignment` says so as ``--set``."""
 
     path: str
     before: Scene
     after: Scene
+    assignment: str = ""
 
 
 @dataclass
@@ -52,7 +54,7 @@ class History:
         """Note an edit; one of the same value right after the last joins it."""
         now = time.monotonic()
         if self.done and self.done[-1].path == step.path and now - self._last < SAME_EDIT:
-            step = Step(step.path, self.done.pop().before, step.after)
+            step = replace(step, before=self.done.pop().before)
         self._last = now
         self.done = [*self.done, step][-MOST_UNDONE:]
         self.undone.clear()
@@ -116,6 +118,24 @@ def with_step(scene: Scene, item: str, step: str) -> Scene:
     data = dump_transform(node.transform)
     steps = data if isinstance(data, list) else [data]
     return _assigned(scene, f"{item}.transform", [*steps, {step: NEUTRAL[step]}])
+
+
+def transform_of(scene: Scene, item: str) -> str:
+    """The transform of a node, as JSON."""
+    node = next(node for path, node in all_nodes(scene) if path == item)
+    return json.dumps(dump_transform(node.transform))
+
+
+def focused(scene: Scene, distance: float) -> Scene:
+    """Put the plane of focus of the scene's camera at a distance, in the camera's own space."""
+    held = scene.camera
+    node = SceneManager(scene).get(held) if isinstance(held, str) else held
+    assert isinstance(node, Node)
+    assert node.camera is not None
+    node = node.replaced(camera=node.camera.replaced(**{FOCUS: distance}))
+    if isinstance(held, str):
+        return SceneManager(scene).replace(held, node).scene.made_from(scene)
+    return scene.replaced(camera=node).made_from(scene)
 
 
 def offered(scene: Scene, item: str) -> list[Field]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from alight.core.errors import SceneError
+from alight.core.registry import specs
 from alight.formats.loading import changed
 from alight.scene import Scene
 from alight.view import protocol
@@ -14,11 +17,14 @@ from alight.view.editing import (
     Step,
     WrongValueError,
     edited,
+    focused,
     is_of_camera,
     offered,
+    transform_of,
     with_step,
 )
 from alight.view.live import LiveScene
+from alight.view.pose import FOCUS
 from alight.view.protocol import RefusedError
 from alight.view.tree import items_of
 
@@ -73,10 +79,15 @@ class Editor:
                 case protocol.AskFields(item):
                     return self._fields(item)
                 case protocol.Edit(item, path, value):
-                    return self._edit(path, lambda scene: edited(scene, item, path, value))
+                    return self._edit(
+                        path, lambda scene: edited(scene, item, path, value), lambda _: value
+                    )
                 case protocol.AddStep(item, step):
                     path = f"{item}.transform"
-                    return self._edit(path, lambda scene: with_step(scene, item, step))
+                    return self._edit(
+                        path, lambda scene: with_step(scene, item, step),
+                        lambda scene: transform_of(scene, item),
+                    )  # fmt: skip
                 case protocol.Region(x, y, width, height):
                     left, top, _, _ = self.live.movable.window
                     return self._crop((left + x, top + y, width, height))
@@ -100,8 +111,42 @@ class Editor:
             "prepares": self.live.prepares, "is_part": self._scene.film.crop is not None,
         }  # fmt: skip
 
-    def _edit(self, path: str, change: Any) -> dict[str, Any]:
-        """Make an edit, or say what is wrong with it; the answer is for the one that edits."""
+    def focus(self, x: int, y: int) -> dict[str, Any]:
+        """Put the plane of focus through what a pixel of the window shows.
+
+        Returns
+        -------
+        dict
+            ``distance``, in the camera's own space, or ``why`` it stays where it is.
+        """
+        pose = self.live.pose
+        if not pose.has_focus:
+            kinds = [name for name, spec in specs("cameras").items() if FOCUS in spec.model_fields]
+            text = f"this camera is sharp everywhere; give it the type {' or '.join(sorted(kinds))}"
+            return {"why": f"{text.replace('_', ' ')}, under Scene, camera"}
+        point = self.live.seen_at(x, y)
+        if point is None:
+            return {"why": "there is nothing to focus on"}
+        distance = pose.depth_of(point)
+        with self._lock:
+            answer = self._edit(
+                f"camera.{FOCUS}", lambda scene: focused(scene, distance), lambda _: ""
+            )
+        self.live.turn_about(point)
+        return {"why": answer["why"]} if "why" in answer else {"distance": distance}
+
+    def assignments(self) -> list[str]:
+        """Edits since the scene was read, but for those of its camera, as words of ``--set``."""
+        done = self.history.done
+        return [step.assignment for step in done if not is_of_camera(step.path)]
+
+    def _edit(
+        self, path: str, change: Callable[[Scene], Scene], value_of: Callable[[Scene], str]
+    ) -> dict[str, Any]:
+        """Make an edit, or say what is wrong with it; the answer is for the one that edits.
+
+        `change` makes it, `value_of` gives what was assigned, as JSON, from the scene after it.
+        """
         # The keys of the camera are those of where it is now.
         before = self.scene if is_of_camera(path) else self._scene
         try:
@@ -109,7 +154,7 @@ class Editor:
             self.live.change(after, keeps_camera=not is_of_camera(path))
         except (WrongValueError, SceneError) as error:
             return {"is": "wrong", "path": path, "why": str(error)}
-        self.history.add(Step(path, before, after))
+        self.history.add(Step(path, before, after, f"{path}={value_of(after)}"))
         self._scene = after
         self.version += 1
         return {"is": "edited", "path": path}
@@ -121,7 +166,7 @@ class Editor:
             film = scene.film.replaced(crop=crop)
             return scene.replaced(film=film).from_source(scene.source)
 
-        return self._edit("film.crop", cropped)
+        return self._edit("film.crop", cropped, lambda _: json.dumps(crop))
 
     def _show(self, scene: Scene, path: str) -> None:
         """Go to a scene of the history; the camera moves only if it was what was edited."""

@@ -228,18 +228,30 @@ class LiveScene:
 
         It stays where it is if that is nothing, and while the kernel that looks is compiled.
         """
+        point = self.seen_at(x, y, _WAIT_FOR_LOOK)
+        if point is not None:
+            self.turn_about(point)
+
+    def turn_about(self, point: np.ndarray) -> None:
+        """Put the pivot there."""
+        with self._news:
+            self.pose = replace(self.pose, pivot=point)
+
+    def seen_at(self, x: int, y: int, patience: float | None = None) -> np.ndarray | None:
+        """Find the point that a pixel of the window shows.
+
+        None if that is nothing, or if the kernel that looks is compiled for longer than `patience`,
+        in seconds.
+        """
         if not self._looks.is_set():
             if self._eye is None:
                 self._eye = threading.Thread(target=self._prepare_to_look, daemon=True)
                 self._eye.start()
-            if not self._looks.wait(_WAIT_FOR_LOOK):
-                return
+            if not self._looks.wait(patience):
+                return None
         left, top, width, height = self.movable.window
         at = left + min(x, width - 1), top + min(y, height - 1)
-        point = self.movable.hit(self.pose, *at)
-        if point is not None:
-            with self._news:
-                self.pose = replace(self.pose, pivot=point)
+        return self.movable.hit(self.pose, *at)
 
     def _prepare_to_look(self) -> None:
         self.movable.hit(self.pose, *self.movable.window[:2])

@@ -122,7 +122,7 @@ class Movable:
 
         The first time on a machine the kernel of a scene is compiled for it, which takes seconds.
         """
-        _, compiled = self._seen_from(pose)
+        _, compiled = self._seen_from(pose.sharp)
         names = ("position", "depth")
         if self._look is None:
             program = compiled.program._replace(aovs=names)

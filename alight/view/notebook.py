@@ -34,7 +34,7 @@ from alight.options.render import RenderOptions
 from alight.rendering import Progress
 from alight.rendering.render import Prepared, prepare
 from alight.rendering.writing import finish
-from alight.view import protocol
+from alight.view.frames import frame
 
 _LOG = logging.getLogger("alight")
 
@@ -201,7 +201,7 @@ class LiveFilm:
         colors, alpha = picture.over_display(shown)
         whole = np.ones(colors.shape[:2]) if alpha is None else alpha
         rgba = np.rint(np.concatenate([colors, whole[..., None]], axis=-1) * 255.0)
-        self._widget.frame = protocol.frame(0, 0, rgba.astype(np.uint8))
+        self._widget.frame = frame(0, 0, rgba.astype(np.uint8))
 
     def _tell(self, phase: str, share: float | None) -> None:
         if self._widget is not None:

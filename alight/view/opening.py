@@ -8,6 +8,7 @@ from alight.core.errors import OptionError
 from alight.lab.picture_info import is_film_or_picture
 from alight.options.loading import scene_of
 from alight.options.view import ViewOptions
+from alight.view.command import Origin
 from alight.view.layers import read_layers
 from alight.view.session import Session
 
@@ -26,7 +27,9 @@ def session_of(subject: str, options: ViewOptions) -> Session:
     against = None if options.against is None else read_layers(Path(options.against))
     if not is_film_or_picture(subject):
         scene = scene_of(subject, options)
-        return Session(Path(subject).name, scene, options.of_render, against)
+        session = Session(Path(subject).name, scene, options.of_render, against)
+        session.origin = Origin(subject, options)
+        return session
     for name in options.given():
         if name not in _OF_THE_PAGE:
             raise OptionError(f"{Path(subject).name} is no scene: nothing is rendered", name)

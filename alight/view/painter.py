@@ -15,8 +15,8 @@ import numpy as np
 
 from alight.films.denoising import denoise
 from alight.metrics import ErrorEstimate
-from alight.view import protocol
 from alight.view.contrast import DIVIDER, contrast, waits
+from alight.view.frames import frame
 from alight.view.layers import PICTURE, Layers
 from alight.view.session import Look, Session
 from alight.view.shades import shaded
@@ -111,7 +111,7 @@ class Painter:
             done = shaded(_name(layers, look), plane, look.display)
             scale = None if done.low is None or done.high is None else (done.low, done.high)
             told = {"denoised": label}
-            self._send("frame", protocol.frame(0, layers.number, done.rgba))
+            self._send("frame", frame(0, layers.number, done.rgba))
         # Before the error, which takes longer than a frame.
         self._tell(scale, told)
         if session.against is None:
@@ -139,7 +139,7 @@ class Painter:
                 self._kept_for = against, look
                 plane = against.plane(_name(against, look))
                 done = shaded(_name(against, look), plane, look.display)
-                self._send("kept", protocol.frame(1, 0, done.rgba))
+                self._send("kept", frame(1, 0, done.rgba))
             return False
         if against.size != layers.size:
             told["differs"] = "the pictures differ in size"
@@ -153,7 +153,7 @@ class Painter:
             self._kept_for = against, look, layers, samples
             plane, mean = contrast(look.way, layers.plane(PICTURE), against.plane(PICTURE))
             done = shaded(look.way, plane, look.display)
-            self._send("kept", protocol.frame(1, 0, done.rgba))
+            self._send("kept", frame(1, 0, done.rgba))
             self._contrast = {"mean": mean, "low": done.low, "high": done.high}
         told["contrast"] = self._contrast
         return True

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 #: Radians that a drag over the height of the picture turns.
 TURN = math.pi
 
+#: What a camera calls the distance of the plane that is sharp.
+FOCUS = "focus_distance"
+
 #: Closest to a pole, and narrowest and widest field of view, in degrees.
 POLE, NARROWEST, WIDEST = 0.5, 0.5, 170.0
 
@@ -74,6 +77,25 @@ class Pose:
     def node(self) -> Node:
         """The camera as a scene has it."""
         return Node(transform=matrix(self.to_world), camera=self.camera)
+
+    @property
+    def sharp(self) -> Pose:
+        """The same without the blur of a lens."""
+        return self._with(aperture_radius=0.0)
+
+    @property
+    def has_focus(self) -> bool:
+        """Whether the camera has a plane that is sharp."""
+        return FOCUS in dict(self.camera)
+
+    def depth_of(self, point: Array) -> float:
+        """Distance of a point along the view, in the camera's own space, as its focus is."""
+        return -float((np.linalg.inv(self.to_world) @ [*point, 1.0])[2])
+
+    def _with(self, **values: Any) -> Pose:
+        """Change those values that the camera has."""
+        known = {name: value for name, value in values.items() if name in dict(self.camera)}
+        return replace(self, camera=self.camera.replaced(**known)) if known else self
 
     @property
     def origin(self) -> Array:

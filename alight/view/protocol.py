@@ -14,6 +14,7 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "widen", "by": 0.1}              the field of view, by this share
     {"do": "rest"}                          the camera has come to rest
     {"do": "pivot", "x": 3, "y": 4}         put the pivot on what this pixel shows
+    {"do": "focus", "x": 3, "y": 4}         put the plane of focus there
     {"do": "camera", "name": "cameras/top"} one of the scene's cameras; "" is the first one
     {"do": "show", "layer": "error"}        a layer
     {"do": "develop", "exposure": 0, "tone_map": "none", "white_balance": "none"}
@@ -34,21 +35,23 @@ Lengths are shares of the height of the picture, right and down positive; angles
     {"do": "add step", "item": "nodes.ball", "step": "translate"}    to its transform
     {"do": "undo"}                          take back the last edit
     {"do": "redo"}                          make it again
+    {"do": "command"}                       ask for the command that renders this picture
 
 **From the server**: JSON objects with ``is``: ``state`` (everything that the page shows around the
 picture; see `alight.view.session.Session.state`); answers to the one that asked: ``pixel``,
-``trace``, ``why`` (`alight.view.inspection`), ``tree``, ``fields``, ``edited``, ``wrong`` (a value
-that a scene cannot have: ``path`` and ``why``) and ``refused`` (with ``why``, for a message that is
-none of the above). Binary messages are frames: four little-endian uint32 (which picture: 0 or, of
-what is compared with or of how both differ, 1; width; height; number of the view), then RGBA bytes,
-the top row first. Of frames and states only the newest is sent to a browser that cannot keep up.
+``trace``, ``why`` (`alight.view.inspection`), ``focus`` (``distance``, or ``why`` not),
+``command`` (``text`` and ``notes``, or ``why`` there is none), ``tree``, ``fields``, ``edited``,
+``wrong`` (a value that a scene cannot have: ``path`` and ``why``) and ``refused`` (with ``why``,
+for a message that is none of the above). Binary messages are frames: four little-endian uint32
+(which picture: 0 or, of what is compared with or of how both differ, 1; width; height; number of
+the view), then RGBA bytes, the top row first. Of frames and states only the newest is sent to a
+browser that cannot keep up.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import struct
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
@@ -57,8 +60,6 @@ LONGEST = 4096
 
 #: Largest length, angle or share, and largest coordinate of a pixel.
 LARGEST, FARTHEST = 1e3, 2**28
-
-_FRAME = struct.Struct("<4I")
 
 
 class RefusedError(ValueError):
@@ -306,6 +307,22 @@ class Redo(Event):
     word = "redo"
 
 
+@dataclass(frozen=True)
+class Focus(Event):
+    """Put the plane of focus through what a pixel shows."""
+
+    word = "focus"
+    x: int
+    y: int
+
+
+@dataclass(frozen=True)
+class AskCommand(Event):
+    """Ask for the command line that renders the picture."""
+
+    word = "command"
+
+
 #: Words that move the camera.
 MOVES = (Orbit, Pan, Dolly, Fly, Roll, Widen)
 
@@ -313,7 +330,7 @@ MOVES = (Orbit, Pan, Dolly, Fly, Roll, Widen)
 OF_THE_SCENE = (ChooseCamera, AskTree, AskFields, Edit, AddStep, Undo, Redo, Region, Whole)
 
 #: Words whose answers take long: others do not wait for them.
-SLOW = (AskTrace, AskWhy)
+SLOW = (AskTrace, AskWhy, Focus, AskCommand)
 
 EVENTS: dict[str, type[Event]] = {
     event.word: event
@@ -371,17 +388,3 @@ def _checked(name: str, value: Any, kind: str) -> Any:
         "int": "a whole number >= 0", "str": "a text", "bool": "true or false",
     }  # fmt: skip
     raise RefusedError(f"{name} must be {ranges[kind]}")
-
-
-def frame(picture: int, number: int, rgba: Any) -> bytes:
-    """Pack a frame.
-
-    Parameters
-    ----------
-    picture : {0, 1}
-    number : int
-        Of the view.
-    rgba : ndarray of uint8, shape (h, w, 4)
-    """
-    height, width = rgba.shape[:2]
-    return _FRAME.pack(picture, width, height, number) + rgba.tobytes()

@@ -18,11 +18,13 @@ from alight.outputs.display import Display
 from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
+from alight.view.command import Origin, command_of
 from alight.view.contrast import DIVIDER, label_of_way, ways
 from alight.view.editor import Editor
 from alight.view.inspection import path_through, why_noisy
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
+from alight.view.pose import FOCUS
 from alight.view.protocol import RefusedError
 
 #: Words that change what is shown, not what there is.
@@ -71,6 +73,8 @@ class Session:
     editor : Editor or None
         Of a live scene.
     against : Layers or None
+    origin : Origin or None
+        Of a live scene that was read: file and options, of which commands are made.
     changed : callable
         Called, from any thread, when there is something new to see; the painter sets it.
     """
@@ -83,6 +87,7 @@ class Session:
         against: Layers | None = None,
     ) -> None:
         self.title, self.look, self.against = title, Look(), against
+        self.origin: Origin | None = None
         self.changed: Callable[[], None] = lambda: None
         self.live: LiveScene | None = None
         self._still: Layers | None = None
@@ -198,7 +203,7 @@ class Session:
             self.changed()
             return answer
         elif isinstance(event, protocol.SLOW):
-            return self._inspected(self.live, event)
+            return self._inspected(self.live, self.editor, event)
         else:
             self._steer(self.live, event)
         self.changed()
@@ -241,7 +246,7 @@ class Session:
         else:
             raise RefusedError("layer: there is none of this name")
 
-    def _inspected(self, live: LiveScene, event: protocol.Event) -> dict[str, Any]:
+    def _inspected(self, live: LiveScene, editor: Editor, event: protocol.Event) -> dict[str, Any]:
         """Answer what takes long; what cannot be answered is said in the answer."""
         answer: dict[str, Any] = {"is": event.word}
         try:
@@ -252,6 +257,12 @@ class Session:
                         return answer | path_through(live, x, y, sample)
                     case protocol.AskWhy(x, y, width, height):
                         return answer | why_noisy(live, x, y, width, height)
+                    case protocol.Focus(x, y):
+                        answer |= editor.focus(x, y)
+                        self.changed()
+                        return answer
+                    case protocol.AskCommand():
+                        return answer | command_of(self.origin, editor, live, self.look)
         except AlightError as error:
             return answer | {"why": str(error)}
         raise RefusedError(f"{event.word}: there is no answer")
@@ -296,7 +307,7 @@ def _of_render(live: LiveScene) -> dict[str, Any]:
 def _lens(live: LiveScene) -> dict[str, float]:
     """The numbers of the camera that the page shows."""
     fields = dict(live.pose.camera)
-    return {name: fields[name] for name in ("fov", "height") if name in fields}
+    return {name: fields[name] for name in ("fov", "height", FOCUS) if name in fields}
 
 
 def _number(value: float) -> float | None:

@@ -17,7 +17,7 @@ WIDTH = 100
 HEAD = """# Commands
 
 Every command of `alight` with its help, as its option `--help` shows it. The options of a render
-are [those of Python](api/render.md). Shells complete names after `alight --install-completion`.
+are [those of Python](api/render.md).
 """
 
 

@@ -5,14 +5,20 @@ Usage: python docs/site/key_page.py rewrites docs/scene-keys.md.
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from material_pages import parameters, to_markdown
 
 from alight.core.spec import Spec
-from alight.scene.keys import known_models, summary_of
+from alight.scene.keys import keys_of, known_models, summary_of
 
-PAGE = Path(__file__).resolve().parents[1] / "scene-keys.md"
+DOCS = Path(__file__).resolve().parents[1]
+PAGE, IMAGES = DOCS / "scene-keys.md", DOCS / "images" / "keys"
+
+sys.path.insert(0, str(DOCS / "figures"))
+
+from key_scenes import STRIPS  # noqa: E402 (not a package)
 
 HEAD = """\
 # Scene keys
@@ -25,6 +31,10 @@ Every key of a scene file, made from the code that checks it; in Python these ar
 `type` chooses the model. A colour is one number or three, linear sRGB; a texture may be described
 in place or named. An unknown key or a value out of range is an error that says where it is, what is
 allowed, and what was probably meant.
+
+The small pictures show what a key does, for the values beside its name; all else is the same in a
+strip. `docs/figures/key_scenes.py` has their scenes. Exposure, tone curves and white balance are
+no keys but options of a render: [display](display.md).
 
 """
 
@@ -57,7 +67,19 @@ def _is_ours(model: type[Spec]) -> bool:
 
 
 def _section(title: str, model: type[Spec]) -> str:
-    return f"{title}\n\n{to_markdown(summary_of(model))}\n\n{parameters(model)}"
+    name = title.lstrip("# ").lower()
+    parts = [title, to_markdown(summary_of(model)), parameters(model), pictures(name, model)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def pictures(name: str, model: type[Spec]) -> str:
+    """The strips of a model's keys, in the order of its table."""
+    return "\n\n".join(
+        f"`{key}`: {', '.join(f'`{value}`' for value in STRIPS[of].values)}<br>\n"
+        f"![{name} by its key {key}](images/keys/{of}.png)"
+        for key in (one.name for one in keys_of(model))
+        if (of := f"{name}.{key}") in STRIPS
+    )
 
 
 if __name__ == "__main__":

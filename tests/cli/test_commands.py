@@ -5,10 +5,11 @@ import subprocess
 import sys
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from alight import __version__
-from alight.cli import doctor
+from alight.cli import doctor, progress
 from alight.cli.main import app
 from alight.cli.progress import ProgressBar
 from alight.core.extras import install_command
@@ -137,6 +138,19 @@ def test_doctor_names_the_command_that_mends_a_missing_extra(monkeypatch):
     assert f"extra lab         missing nosuchextra; {install_command('lab')}" in result.output
 
 
+#: They read neither scenes nor tone curves.
+WITHOUT_MODELS = {"cluster keys", "cluster status", "doctor", "scene random", "scenes"}
+
+
+def test_every_command_that_needs_models_takes_those_of_scripts():
+    found = {}
+    for name, command in get_command(app).commands.items():
+        for below, inner in getattr(command, "commands", {"": command}).items():
+            words = {option for parameter in inner.params for option in parameter.opts}
+            found[f"{name} {below}".strip()] = "--plugin" in words
+    assert {name for name, takes in found.items() if not takes} == WITHOUT_MODELS
+
+
 def test_doctor_works_without_installation(monkeypatch):
     def unknown(name):
         raise doctor.metadata.PackageNotFoundError(name)
@@ -177,6 +191,27 @@ def test_progress_shows_rate_and_error(monkeypatch):
     assert shown(bar)[0] == "compiling kernels (first run only)"
     bar(Progress("render", 3_000_000, 12_000_000, 2.0, FilmOfKnownError()))
     assert shown(bar) == ("rendering", 3e6, 12e6, "1.50 Msamples/s", "error 12.5%")
+
+
+def test_a_pipe_is_told_in_one_line_that_compiling_takes_long(monkeypatch, capfd):
+    monkeypatch.setattr(progress, "_LONG", 0.0)
+    for quiet in (False, True):
+        with ProgressBar(quiet) as bar:
+            for _ in range(2):
+                bar(Progress("compile", 0, 0, 0.0, None))
+                if not quiet:
+                    bar._timer.join()
+                bar(Progress("render", 1, 2, 0.1, FilmOfKnownError()))
+        assert capfd.readouterr().err == ("" if quiet else "compiling kernels (first run only)\n")
+
+
+def test_a_pipe_is_not_told_of_kernels_that_are_there(capfd):
+    with ProgressBar() as bar:
+        bar(Progress("compile", 0, 0, 0.0, None))
+        timer = bar._timer
+        bar(Progress("render", 1, 2, 0.1, FilmOfKnownError()))
+        timer.join()
+    assert capfd.readouterr().err == ""
 
 
 def test_progress_towards_a_time_limit():

@@ -10,11 +10,13 @@ from typer.testing import CliRunner
 
 from alight.cli.main import app
 from alight.core.errors import OptionError
+from alight.core.registration import unregister
 from alight.lab.sheet import Tile, find_scenes
 from alight.lab.sheet.tiles import fitted
 from alight.lab.sheet.views import draw_sheet
 from alight.options.render import RenderOptions
 from tests.cli.stub import StubRender
+from tests.extension.models import LAMBERT
 
 SCENE = "alight: 1\ncamera: {type: pinhole}\nfilm: {size: [64, 32]}\nenvironment: constant\n"
 TILE = (160, 100)
@@ -80,6 +82,22 @@ def test_what_fails_is_on_the_sheet_with_its_message(folder, tmp_path):
     # The message is red.
     third = pixels[16 + 157 : 16 + 257, 16:176]
     assert (third[..., 0] - third[..., 2]).max() > 100
+
+
+def test_scenes_with_models_of_a_script(folder, tmp_path):
+    script = tmp_path / "mine.py"
+    script.write_text(f"{LAMBERT}\nimport alight\nalight.register(__name__)\n")
+    scene = tmp_path / "mine.yaml"
+    scene.write_text(f"{SCENE}bsdfs: {{a: {{type: lambert}}}}\n")
+    words = [scene, "-o", tmp_path / "sheet.png"]
+    assert "--plugin" in run(*words).stderr
+    try:
+        assert run(*words, "--plugin", script).exit_code == 0
+    finally:
+        unregister("bsdfs", "lambert")
+    wrong = run(*words, "--plugin", tmp_path / "none.py")
+    assert wrong.exit_code == 2
+    assert wrong.stderr.startswith("error: --plugin: there is no file ")
 
 
 def test_a_sheet_without_failures_ends_well(folder, tmp_path):

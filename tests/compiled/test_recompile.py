@@ -8,7 +8,7 @@ import pytest
 
 import alight
 from alight.accel import kept as kept_trees
-from alight.compiled import recompile
+from alight.compiled import recompile, shapes
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.scene import content_hash, flatten
@@ -131,3 +131,21 @@ def test_copies_and_other_processes_begin_with_nothing():
     for other in (copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         assert other == scene
         assert other.memory.held is None
+
+
+def test_only_the_instance_that_moves_is_put_into_its_place_anew(monkeypatch):
+    asked, box = [], shapes.box_in_place
+
+    def counted(vertices, to_world):
+        asked.append(tuple(to_world[:3, 3]))
+        return box(vertices, to_world)
+
+    monkeypatch.setattr(shapes, "box_in_place", counted)
+    scene = loads(SCENE)
+    compiled(scene)
+    assert asked == [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0)]
+    moved = alight.changed(scene, {"nodes.two.transform.translate": (0, 3, 0)})
+    now = compiled(moved)
+    assert asked[2:] == [(0.0, 3.0, 0.0)]
+    fresh = compile_scene(flatten(copy.deepcopy(moved)), content_hash(moved))
+    assert bits(now.tables) == bits(fresh.tables)

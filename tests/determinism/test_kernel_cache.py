@@ -8,9 +8,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import alight
+from lanewise.jit import instantiate, kernel
+from lanewise.kept_files import lost
+from lanewise.view import View
 
 PACKAGE = Path(alight.__file__).parent
 
@@ -52,3 +56,23 @@ def test_the_cache_folder_changes_with_any_callee(callee, tmp_path):
     path = tmp_path / callee
     path.write_text(path.read_text() + "\n#\n")
     assert run(script, tmp_path, PYTHONPATH=str(tmp_path)) != before
+
+
+@kernel
+def _one(out):
+    out[0] = 1.0
+
+
+def test_a_render_says_once_that_its_kernels_cannot_be_kept(tmp_path, monkeypatch, caplog):
+    (tmp_path / "file").touch()
+    lost()
+    with monkeypatch.context() as context:
+        # Below a file no folder can be made, by nobody.
+        context.setenv("ALIGHT_CACHE", str(tmp_path / "file" / "below"))
+        instantiate(_one)(View(np.zeros(1, np.float32)))
+    scene = alight.load("cornell-box", ["film.size=[8,8]"])
+    for _ in range(2):
+        alight.render(scene, spp=1, threads=1)
+    (told,) = caplog.messages
+    assert told.startswith("the compiled kernels cannot be kept in ")
+    assert "(Not a directory): the next render compiles them again; set ALIGHT_CACHE to" in told

@@ -1,6 +1,7 @@
 """Every material has a page that says what its file says, and a picture."""
 
 import importlib.util
+import itertools
 import re
 import sys
 
@@ -85,3 +86,23 @@ def test_pictures_are_small():
 def test_the_page_of_scene_keys_is_what_the_code_checks():
     found = key_page.PAGE.read_text(encoding="utf-8")
     assert found == key_page.text(), "python docs/site/key_page.py rewrites it"
+
+
+STRIPS = key_page.STRIPS
+
+
+def test_each_strip_is_of_a_key_and_is_there():
+    page = key_page.PAGE.read_text(encoding="utf-8")
+    for name, strip in STRIPS.items():
+        assert f"](images/keys/{name}.png)" in page, name
+        with Image.open(key_page.IMAGES / f"{name}.png") as picture:
+            count = len(strip.values)
+            assert picture.size == (112 * count + 4 * (count - 1), 84)
+            pixels = np.asarray(picture.convert("RGB"), np.float64)
+        # Values that show nothing, or all the same, are no picture of a key.
+        parts = [pixels[:, 116 * i : 116 * i + 112] for i in range(count)]
+        assert 10.0 < pixels.mean() < 245.0, name
+        assert min(np.abs(a - b).mean() for a, b in itertools.pairwise(parts)) > 0.2, name
+    files = sorted(path.stem for path in key_page.IMAGES.glob("*.png"))
+    assert files == sorted(STRIPS)
+    assert sum(path.stat().st_size for path in key_page.IMAGES.glob("*.png")) < 1.5e6

@@ -88,4 +88,20 @@ VIEW = (
         (('        "white_balance": display.white_balance,\n', ""),),
         "tests/view/test_contrast.py::test_white_balance_is_seen_and_saved",
     ),
-)
+    Mutant(
+        "a lens focuses at the distance from its centre, not at that of the plane",
+        "view/pose.py",
+        ((
+            "return -float((np.linalg.inv(self.to_world) @ [*point, 1.0])[2])",
+            "return float(np.linalg.norm((np.linalg.inv(self.to_world) @ [*point, 1.0])[:3]))",
+        ),),
+        "tests/view/test_pose.py::test_the_depth_of_a_point_is_that_of_its_plane_of_focus",
+    ),
+    Mutant(
+        "the command of a picture leaves out what was edited",
+        "view/command.py",
+        (("(*made.changes, *editor.assignments())", "made.changes"),),
+        "tests/view/test_focus_and_command.py"
+        "::test_the_command_gives_the_bits_of_edits_and_of_a_moved_camera",
+    ),
+)  # fmt: skip

@@ -16,7 +16,7 @@ import alight
 from alight.cli.main import app
 from alight.core.errors import OptionError
 from alight.films import Film
-from alight.options import laboratory, render, resume
+from alight.options import animation, laboratory, render, resume
 
 #: Commands with a function of Python, and their tables.
 ENTRIES = {
@@ -34,6 +34,10 @@ ENTRIES = {
 
 #: What only a terminal has: how much is printed, in which form, and other programs that are run.
 TERMINAL = {"quiet", "as_json", "help", "list_ready", "mutant"}
+
+
+#: Words of a command that are keywords of another function: `alight.animate`.
+ALSO = {"render": animation.AnimationOptions}
 
 
 @pytest.fixture
@@ -59,7 +63,8 @@ def test_every_word_of_a_command_is_a_keyword_and_the_reverse(name):
     words = {p.name for p in parameters if p.param_type_name == "option"} - TERMINAL
     subjects = {"pixel"} & words
     table = ENTRIES[name].options()
-    assert words - subjects == {one.name for one in table.values() if one.flags}
+    told = {**table, **ALSO.get(name, ENTRIES[name]).options()}
+    assert words - subjects == {one.name for one in told.values() if one.flags}
     keywords = inspect.signature(getattr(alight, name)).parameters
     keyword_only = {n for n, p in keywords.items() if p.kind is p.KEYWORD_ONLY}
     assert keyword_only == set(table)

@@ -10,7 +10,7 @@ from alight.cli.main import app
 from alight.options.animation import AnimationOptions
 from alight.rendering import animation
 from alight.rendering.animation import Animation, numbered
-from alight.scene.flatten import place_camera
+from alight.scene.flatten import flatten, place_camera
 
 SMALL = {"size": (8, 8), "spp": 1, "threads": 1}
 
@@ -77,7 +77,16 @@ def test_a_turntable_goes_once_around_the_middle_of_the_scene():
     assert np.allclose(np.roll(flat, -1, axis=0), np.stack([-flat[:, 1], flat[:, 0]], axis=1))
     # It looks at the same place from everywhere.
     local = np.linalg.inv(seen) @ [10.0, 1.0, 0.5, 1.0]
-    assert np.allclose(local, local[0])
+    assert np.allclose(local, local[0], atol=1e-5)
+
+
+def test_lamps_are_not_what_a_turntable_turns_about():
+    ball = {"shape": {"type": "sphere", "center": [3, 0, 0]}}
+    lamp = {"shape": {"type": "sphere", "center": [0, 9, 0]}, "light": {"type": "area"}}
+    scene = {"alight": 1, "camera": {"type": "pinhole"}, "nodes": {"lamp": lamp, "ball": ball}}
+    np.testing.assert_allclose(animation.middle(flatten(alight.load(scene)))[0], 3.0)
+    del scene["nodes"]["ball"]
+    assert animation.middle(flatten(alight.load(scene)))[1] > 0.0
 
 
 @pytest.mark.parametrize("suffix", ["gif", "apng"])
@@ -116,9 +125,60 @@ def test_mistakes_are_told(words, message):
         alight.animate("cornell-box", **words)
 
 
+COMMAND = ["render", "cornell-box", "--size", "8", "--spp", "1", "--threads", "1"]
+
+
+def command(*words):
+    return CliRunner().invoke(app, [*COMMAND, *map(str, words)])
+
+
 def test_the_command_says_what_it_kept(tmp_path):
-    words = ["animate", "cornell-box", "--frames", "0:2", "--size", "8", "--spp", "1", "-o"]
+    words = ["--frames", "0:2", "--fps", "24", "-o", tmp_path / "f_####.exr"]
     for said in ("2 frames: 2 files\n", "2 frames: 2 files, 2 of them kept\n"):
-        done = CliRunner().invoke(app, [*words, str(tmp_path / "f_#.png")])
+        done = command(*words)
         assert done.exit_code == 0, done.output
         assert done.output.endswith(said)
+    assert frames_of(tmp_path) == ["f_0000.exr", "f_0001.exr"]
+
+
+def test_a_frame_of_the_command_is_that_of_python(tmp_path, renders):
+    done = command("--turntable", "--frames", "0:3", "-o", tmp_path / "f_####.png")
+    assert done.exit_code == 0, done.output
+    animate(tmp_path, turntable=True)
+    assert len(renders) == 3
+
+
+def test_a_stopped_command_says_where_it_goes_on(tmp_path, monkeypatch):
+    render = animation.main_loop.render_film
+    left = [None, None]
+
+    def stopped(scene, options):
+        if not left:
+            raise KeyboardInterrupt
+        left.pop()
+        return render(scene, options)
+
+    words = ["--turntable", "--frames", "5:9", "-o", tmp_path / "f_####.png"]
+    monkeypatch.setattr(animation.main_loop, "render_film", stopped)
+    done = command(*words)
+    assert done.exit_code == 130
+    assert "stopped at frame 7; the same command goes on there" in done.output
+    assert frames_of(tmp_path) == ["f_0005.png", "f_0006.png"]
+    monkeypatch.undo()
+    assert command(*words).output.endswith("4 frames: 4 files, 2 of them kept\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--fps", "8"], "--fps: is for an animation: give --frames, as 0:120, or --turntable"),
+        (["-o", "a.mp4"], "--output: a.mp4 holds an animation: give --frames, as 0:120, or --turn"),
+        (["--frames", "3"], "--frames: must be FIRST:END with 0 <= FIRST < END, as 0:120, got"),
+        (["--frames", "0:2", "-o", "a.exr"], "--output: must hold #### for the number of the"),
+        (["--turntable", "--stats", "a.json", "-o", "a_#.png"], "--stats: is for a single picture"),
+    ],
+)
+def test_mistakes_of_the_command_are_told(words, message):
+    done = command(*words)
+    assert done.exit_code == 2
+    assert f"error: {message}" in done.output

@@ -147,6 +147,45 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         assert not errors
 
 
+LENS = "camera={type: thin_lens, fov: 40, aperture_radius: 0.1, focus_distance: 1, transform: %s}"
+THERE = "{look_at: {origin: [0, 1, 3.9], target: [0, 1, 0]}}"
+
+
+def test_a_click_focuses_and_the_command_of_the_picture_can_be_copied(browser):
+    with served(*SCENE, "--set", LENS % THERE) as address:
+        page, errors = opened(browser, address)
+        stage = page.locator("#picture").bounding_box()
+        middle = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
+        assert page.inner_text("#focus-at") == "Focus at 1"
+        picture = pixels_of(page)
+        page.click("#focus")
+        assert page.get_attribute("#focus", "aria-pressed") == "true"
+        page.mouse.click(*middle)
+        page.wait_for_selector("#focus-at >> text=/Focus at [34]/", timeout=300_000)
+        page.wait_for_selector(SETTLED)
+        until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
+        assert page.get_attribute("#focus", "aria-pressed") == "false"
+        page.click("#saves >> text=Command")
+        page.wait_for_selector("#command")
+        told = page.input_value("#command")
+        assert told.startswith("alight render cornell-box ")
+        assert "--spp 8" in told
+        assert "--seed 0" in told
+        assert re.search(r'"focus_distance": [34]\.', told)
+        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        page.click("#copy")
+        page.wait_for_selector("#command-told >> text=copied")
+        assert page.evaluate("navigator.clipboard.readText()") == told
+        # By keys; the command is hidden once it is that of another picture.
+        page.focus("#stage")
+        page.keyboard.press("Control+z")
+        page.wait_for_selector("#focus-at >> text='Focus at 1'")
+        page.wait_for_selector("#of-command", state="hidden")
+        page.keyboard.press("g")
+        assert page.get_attribute("#focus", "aria-pressed") == "true"
+        assert not errors
+
+
 def test_two_browsers_see_the_same_and_a_narrow_window_holds_everything(browser):
     with served(*SCENE) as address:
         one, errors = opened(browser, address)

@@ -10,7 +10,8 @@ import pytest
 from PIL import Image
 
 import alight
-from alight.view import notebook, protocol
+from alight.view import notebook
+from alight.view.frames import frame
 from tests.view.browsing import CHROMIUM, launched
 
 SMALL = {"size": 24, "spp": 16, "seed": 5}
@@ -148,12 +149,12 @@ def test_a_page_that_is_lost_does_not_cost_the_film(monkeypatch):
 def test_its_module_draws_and_stops_in_a_browser():
     rgba = np.zeros((2, 3, 4), np.uint8)
     rgba[1, 2] = 10, 20, 30, 255
-    frame = list(protocol.frame(0, 0, rgba))
+    packed = list(frame(0, 0, rgba))
     # An offset of one byte: no place where numbers of four bytes may begin.
     script = f"""
         const {{ default: widget }} = await import(URL.createObjectURL(
           new Blob([{json.dumps(notebook.module_text())}], {{ type: "text/javascript" }})));
-        const bytes = new Uint8Array([0, ...{frame}]);
+        const bytes = new Uint8Array([0, ...{packed}]);
         const state = {{ frame: new DataView(bytes.buffer, 1), stops: false,
                          told: {{ phase: "render", share: 0.5, text: "8 spp" }} }};
         const heard = {{}};

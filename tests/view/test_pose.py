@@ -83,6 +83,18 @@ def test_a_pan_moves_what_is_at_the_pivot_with_the_pointer(camera):
     np.testing.assert_allclose(on_film(after, after.pivot), on_film(before, before.pivot))
 
 
+def test_the_depth_of_a_point_is_that_of_its_plane_of_focus():
+    pose = pose_of(ThinLens())
+    for across in ([0.0, 0.0], [0.7, -0.4]):
+        point = (pose.to_world @ [*across, -2.5, 1.0])[:3]
+        assert math.isclose(pose.depth_of(point), 2.5)
+    assert pose.has_focus
+    assert pose.sharp.camera == ThinLens(aperture_radius=0.0)
+    plain = pose_of(Pinhole())
+    assert not plain.has_focus
+    assert plain.sharp == plain
+
+
 @pytest.mark.parametrize("camera", CAMERAS_OF_ALL_KINDS, ids=lambda c: c.type)
 @pytest.mark.parametrize(
     "there", [protocol.Dolly(0.3), protocol.Roll(0.3), protocol.Widen(0.2), protocol.Pan(0.1, 0.2),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from alight.view import protocol
+from alight.view.frames import frame
 from alight.view.protocol import EVENTS, RefusedError
 
 VALUES = {"float": 0.25, "int": 3, "str": "picture", "bool": True}
@@ -78,6 +79,6 @@ def test_ten_thousand_garbled_messages_are_events_or_refused():
 
 def test_a_frame_says_what_it_is():
     rgba = np.arange(2 * 3 * 4, dtype=np.uint8).reshape(2, 3, 4)
-    packed = protocol.frame(1, 7, rgba)
+    packed = frame(1, 7, rgba)
     assert np.frombuffer(packed[:16], "<u4").tolist() == [1, 3, 2, 7]
     assert packed[16:] == rgba.tobytes()

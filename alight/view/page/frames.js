@@ -1,4 +1,4 @@
-// Frames: what a message of `protocol.frame` holds, and a canvas that shows it.
+// Frames: what a message of `alight.view.frames.frame` holds, and a canvas that shows it.
 
 const HEADER = 16;
 

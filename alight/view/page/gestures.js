@@ -30,6 +30,7 @@ export const KEYS = [
   ["0", "", (ui) => ui.fit()],
   ["t", "trace a path of the clicked pixel", (ui) => ui.trace()],
   ["b", "select a region by the next drag", (ui) => ui.arm()],
+  ["g", "focus by the next click", (ui) => ui.focus()],
   ["p", "show or hide the panel", (ui) => ui.fold()],
 ];
 

@@ -1,6 +1,8 @@
 // The page: events go to the server, what the server sends is shown. Nothing is decided here.
 
+import { Command } from "./command.js";
 import { Connection } from "./connection.js";
+import { Focus } from "./focus.js";
 import { Gathered, listenToKeys, listenToPointer } from "./gestures.js";
 import { Inspector } from "./inspect.js";
 import { makePanel, showPixel } from "./panel.js";
@@ -10,7 +12,7 @@ import { Tabs } from "./tabs.js";
 
 const $ = (id) => document.getElementById(id);
 const picture = new Picture();
-const show = makePanel();
+const show = makePanel(() => command.ask());
 const tabs = new Tabs();
 let state = { kind: "picture", layers: [], size: [1, 1], exposure: 0, tone_map: "none" };
 let frames = 0;
@@ -31,7 +33,11 @@ const connection = new Connection({
     show(state);
     inspector.show(state);
     tabs.offer("Scene", state.kind === "scene");
-    if (state.kind === "scene") tree.show(state);
+    if (state.kind === "scene") {
+      tree.show(state);
+      focus.show(state);
+      command.show(state);
+    }
   },
   frame(message) {
     picture.draw(message);
@@ -41,6 +47,8 @@ const connection = new Connection({
   pixel: showPixel,
   trace: (message) => inspector.traced(message),
   why: (message) => inspector.because(message),
+  focus: (message) => focus.tell(message),
+  command: (message) => command.tell(message),
   tree: (message) => tree.tree(message),
   fields: (message) => tree.values(message),
   edited: (message) => tree.answered(message),
@@ -50,6 +58,7 @@ const connection = new Connection({
 
 const send = (word, keys) => connection.send(word, keys);
 const tree = new SceneTree(send), inspector = new Inspector(send, picture);
+const focus = new Focus(send), command = new Command(send);
 const gathered = new Gathered(send);
 const moves = (word, keys) => { if (state.kind === "scene") gathered.add(word, keys); };
 
@@ -85,12 +94,14 @@ const ui = {
   },
   ask(x, y) {
     const pixel = picture.pixelAt(x, y);
+    if (focus.isArmed) return focus.at(pixel);
     if (!pixel) return;
     picture.mark(pixel);
     inspector.at(pixel);
     send("pixel", pixel);
   },
   trace: () => inspector.trace(0),
+  focus() { if (state.kind === "scene") focus.arm(!focus.isArmed); },
   isArmed: () => inspector.isArmed && state.kind === "scene",
   arm() { if (state.kind === "scene") inspector.arm(!inspector.isArmed); },
   select: (...box) => inspector.between(...box),

@@ -26,7 +26,8 @@ function list(element, pairs) {
   }));
 }
 
-export function makePanel() {
+// `ask` asks for the command of the picture.
+export function makePanel(ask) {
   list($("keys"), HELP);
   const saves = { scene: ["film.alight", "picture.exr", "picture.png", "scene.yaml"],
     film: ["film.alight", "picture.exr", "picture.png"], picture: ["picture.exr", "picture.png"] };
@@ -59,6 +60,7 @@ export function makePanel() {
     if ($("saves").dataset.kind !== state.kind) {
       $("saves").dataset.kind = state.kind;
       $("saves").replaceChildren(...saves[state.kind].map(link));
+      if (state.kind === "scene") $("saves").append(button("Command", ask));
     }
   };
 }
@@ -70,6 +72,14 @@ function link(name) {
   made.download = "";
   made.textContent = name.split(".")[0] === "scene" ? "Scene" : name.split(".")[1].toUpperCase()
     .replace("ALIGHT", "Film");
+  return made;
+}
+
+function button(text, action) {
+  const made = document.createElement("button");
+  made.type = "button";
+  made.textContent = text;
+  made.addEventListener("click", action);
   return made;
 }
 

@@ -1,0 +1,64 @@
+"""An animation under the terminal: which frame it is at, signals, and the last line."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import typer
+
+from alight.cli.interrupts import cancelling
+from alight.cli.progress import ProgressBar
+from alight.cli.reporting import note_unused, warn
+
+if TYPE_CHECKING:
+    from alight.options.animation import AnimationOptions
+    from alight.rendering import Progress
+
+
+def render_frames(
+    scene: str, options: AnimationOptions, spell: Callable[[str], str], *, quiet: bool
+) -> None:
+    """Render an animation until its end or a signal; frames that are there already are kept.
+
+    Parameters
+    ----------
+    scene : str
+    options : AnimationOptions
+    spell : callable
+        How the user spells an option, for warnings.
+    quiet : bool
+
+    Raises
+    ------
+    typer.Exit
+        After a signal; the same command then goes on with the frame that was not finished.
+    """
+    from alight.rendering.animation import Animation
+
+    cancel = threading.Event()
+    with ProgressBar(quiet) as bar, cancelling(cancel, bar) as interruption:
+
+        def show(progress: Progress) -> None:
+            bar.title = f"frame {made.current}: "
+            bar(progress)
+
+        made = Animation(scene, options.changed(progress=show, cancel=cancel))
+        if not quiet:
+            note_unused(scene, made.scene)
+        for warning in made.prepared.warnings(spell):
+            warn(warning)
+        try:
+            written = made.render()
+            stopped = cancel.is_set()
+        except KeyboardInterrupt:
+            written, stopped = [], True
+    if stopped:
+        text = f"stopped at frame {made.current}; the same command goes on there"
+        typer.echo(text, err=True)
+        raise typer.Exit(interruption.exit_code)
+    if not quiet:
+        kept = f", {len(made.kept)} of them kept" if made.kept else ""
+        files = "1 file" if len(written) == 1 else f"{len(written)} files"
+        typer.echo(f"{len(made.numbers)} frames: {files}{kept}")
