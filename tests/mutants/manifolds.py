@@ -93,8 +93,8 @@ MANIFOLDS = (
     ),
     Mutant(
         "chains to lamps that no ray hits",
-        "integrators/chain_types.py",
-        (("bool(on_shapes(program)) and (", "not on_shapes(program) or ("),),
+        "lights/targets.py",
+        (("return bool(on_shapes(program)) or has_far_target(program)", "return True"),),
         "tests/estimators/test_where_caustics_are_sought.py"
         "::test_where_there_are_none_pictures_keep_their_bits[a bulb]",
     ),
