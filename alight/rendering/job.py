@@ -294,7 +294,8 @@ class Job:
         film = self.rounds[self.goal.round]
         settings = self.settings._replace(seed=film.seed)
         # Each light path may add to any pixel: a picture of some of a pass would lack the others.
-        target = film.empty_like() if self.splats else film
+        apart = self.splats and not executor.adds_whole_samples
+        target = film.empty_like() if apart else film
 
         def add(partial: PartialFilm, rays: int) -> None:
             samples = int(partial.counts.sum())
@@ -306,7 +307,7 @@ class Job:
         blocks = [Block(tile, ranges_of(tile, ranges)) for tile in self.tiles]
         wanted = [block for block in blocks if block.ranges[..., 1].any()]
         executor.render(settings, wanted, add, cancel, report)
-        if self.splats and not cancel.is_set():
+        if apart and not cancel.is_set():
             merging.add(film, target)
 
     def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:

@@ -145,7 +145,6 @@ def run(
     if writer:
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))
-    executor.check(job)
     job.start(progress)
     executor.begin(job)
     clock.lap("compile")
