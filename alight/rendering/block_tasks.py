@@ -203,7 +203,7 @@ def _block(
     }
     invalid, saturated, rays = tallies_of(tally)
     partial = PartialFilm(
-        x0=tile.x0, y0=tile.y0, sums=sums, counts=counts, invalid=invalid, saturated=saturated,
+        x0=tile.x0, y0=tile.y0, sums=sums, counts=expected, invalid=invalid, saturated=saturated,
         ranges=block.ranges, aovs=aovs,
         coverage=_coverage(layout, arrays, f"{number}.coverage", most.ravel()),
     )  # fmt: skip
