@@ -211,9 +211,7 @@ class LightQueue:
     replicates, seed : int
     """
 
-    def __init__(
-        self, blocks: Sequence[Block], window: Tile, replicates: int, seed: int
-    ) -> None:
+    def __init__(self, blocks: Sequence[Block], window: Tile, replicates: int, seed: int) -> None:
         ranges = np.zeros((*_cells(window), 2), np.int64)
         for tile, of_tile in blocks:
             top = tile.y0 // CELL_SIZE - window.y0 // CELL_SIZE
@@ -264,9 +262,10 @@ class LightQueue:
             there[:] = [_joined(there[0], value)]
         else:
             there.append(value)
-        if there[0].partial.counts.sum() == task._replace(
-            strip=task.window
-        ).samples_of_pixels().sum():
+        if (
+            there[0].partial.counts.sum()
+            == task._replace(strip=task.window).samples_of_pixels().sum()
+        ):
             del self._pending[key]
             add(there[0].partial, there[0].rays)
 

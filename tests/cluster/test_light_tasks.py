@@ -95,8 +95,6 @@ def shared():
     return SharedScene(scene, settings, make_kernels(scene, compiled=False))
 
 
-
-
 def test_answers_add_up_to_the_film_of_a_render(shared, monkeypatch):
     """Samples 4 and 5, strip by strip and carried after each, against one tile of all."""
     monkeypatch.setattr(light_tasks, "_ROOM", 1)
@@ -139,7 +137,10 @@ SPOILT = {
     "too much light": (change(".high", 1 << 62), "sums that its samples cannot have"),
     "negative rays": (lambda c, a: c.update(rays=-1), "has the tallies"),
     "no sums": (lambda c, a: a.pop(".high"), "cannot be read: KeyError"),
-    "too many bytes": (lambda c, a: a.update(more=np.random.default_rng(0).integers(2**62, size=10**5)), "bytes long"),
+    "too many bytes": (
+        lambda c, a: a.update(more=np.random.default_rng(0).integers(2**62, size=10**5)),
+        "bytes long",
+    ),
 }
 
 
