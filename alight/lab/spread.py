@@ -258,7 +258,7 @@ def spread_over(options: ClusterOptions | None, equal_time: bool) -> Iterator[Sp
         yield None
         return
     check_address(options.cluster, options.cluster_keys)
-    with connected(options.cluster, options.cluster_keys) as client:
+    with connected(options.cluster, options.cluster_keys, (__name__,)) as client:
         with suppress(TimeoutError):
             client.wait_for_workers(1, timeout=_LATE)
         yield Spread(client, equal_time)

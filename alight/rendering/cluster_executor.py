@@ -45,6 +45,9 @@ _SHARES = 3
 #: Samples per second of a thread, until that is measured.
 _SPEED = 1e5
 
+#: What workers import to answer.
+MODULES = (__name__,)
+
 #: A pass of a render with a time limit.
 _TIMED_PASS = 20.0
 
@@ -76,7 +79,7 @@ class ClusterExecutor:
 
     def __enter__(self) -> Self:
         """Connect."""
-        self._client = self._stack.enter_context(connected(self._where, self._keys))
+        self._client = self._stack.enter_context(connected(self._where, self._keys, MODULES))
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -247,7 +250,7 @@ def joined(options: T) -> Iterator[T]:
         yield options
         return
     check_address(options.cluster, options.cluster_keys)
-    with connected(options.cluster, options.cluster_keys) as client:
+    with connected(options.cluster, options.cluster_keys, MODULES) as client:
         yield options.changed(cluster=client, cluster_keys=None)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ import numpy as np
 from alight.films import CELL_SIZE, PartialFilm
 from alight.films.archive import pack_archive
 from alight.films.fixed_point import LOW_BITS, MAX_SAMPLES, carry
-from alight.films.sample_ranges import SampleRanges, cells_of
+from alight.films.sample_ranges import EMPTY, SampleRanges, cells_of
 from alight.films.tiles import add_sums
 from alight.rendering.block_tasks import (
     HEADER,
@@ -127,7 +128,7 @@ class LightTask(NamedTuple):
         """`SampleRanges` of the samples of each cell, or of one for all."""
         index, wanted = self.indices()
         known: dict[tuple, SampleRanges] = {}
-        grid = np.empty(index.shape[1:], dtype=object)
+        grid = np.full(index.shape[1:], EMPTY, dtype=object)
         for at in np.ndindex(grid.shape):
             held = tuple(index[(slice(None), *at)][wanted[(slice(None), *at)]].tolist())
             if held not in known:
@@ -310,7 +311,7 @@ def _strips(task: LightTask, count: int) -> Iterator[LightTask]:
     rows = len(edges) - 1
     count = min(count, rows)
     cuts = [edges[0] + rows * i // count for i in range(count + 1)]
-    for top, end in zip(cuts, cuts[1:], strict=False):
+    for top, end in pairwise(cuts):
         strip = Tile(x0, max(y0, top * CELL_SIZE), x1, min(y1, end * CELL_SIZE))
         yield task._replace(strip=strip)
 

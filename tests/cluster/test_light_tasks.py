@@ -1,4 +1,4 @@
-"""Light paths as tasks: whole samples of single replicates, each once, with the bits of a render."""
+"""Light paths as tasks: whole samples of single replicates, with the bits of a render."""
 
 import numpy as np
 import pytest
@@ -99,9 +99,8 @@ def test_answers_add_up_to_the_film_of_a_render(shared, monkeypatch):
     """Samples 4 and 5, strip by strip and carried after each, against one tile of all."""
     monkeypatch.setattr(light_tasks, "_ROOM", 1)
     blocks = [Block(tile, np.broadcast_to([4, 2], (1, 3, 2))) for tile, _ in strips(0, True)]
-    queue, films = LightQueue(blocks, WINDOW, REPLICATES, 5), []
-    for _ in range(2):
-        films.append(Film(24, 16, crop=(3, 2, 16, 11), replicates=REPLICATES))
+    queue = LightQueue(blocks, WINDOW, REPLICATES, 5)
+    films = [Film(24, 16, crop=(3, 2, 16, 11), replicates=REPLICATES) for _ in range(2)]
     rays = 0
 
     def add(partial, n):
@@ -130,6 +129,8 @@ def change(name, amount):
     return spoil
 
 
+NOISE = np.random.default_rng(0).integers(2**62, size=10**5)
+
 SPOILT = {
     "another task": (lambda c, a: c.update(task="0"), "of another task"),
     "a sample too many": (change("counts", 1), "other samples than were asked for"),
@@ -137,10 +138,7 @@ SPOILT = {
     "too much light": (change(".high", 1 << 62), "sums that its samples cannot have"),
     "negative rays": (lambda c, a: c.update(rays=-1), "has the tallies"),
     "no sums": (lambda c, a: a.pop(".high"), "cannot be read: KeyError"),
-    "too many bytes": (
-        lambda c, a: a.update(more=np.random.default_rng(0).integers(2**62, size=10**5)),
-        "bytes long",
-    ),
+    "too many bytes": (lambda c, a: a.update(more=NOISE), "bytes long"),
 }
 
 
