@@ -123,7 +123,7 @@ def ranges_of(film: Film, partial: PartialFilm) -> tuple[tuple[slice, slice], np
             raise FilmError(f"tile edges must lie on 8x8 cells, got {name} from {first} to {end}")
     index = cells_of(partial.x0, partial.y0, tw, th)
     shape = film.cells[index].shape
-    if getattr(partial.ranges, "dtype", None) == object:
+    if np.asarray(partial.ranges).dtype.hasobject:
         return index, np.broadcast_to(partial.ranges, shape)
     pairs = np.broadcast_to(np.asarray(partial.ranges, np.int64), (*shape, 2))
     return index, cells_with(pairs)

@@ -48,6 +48,9 @@ _SPEED = 1e5
 #: What workers import to answer.
 MODULES = (__name__,)
 
+#: What progress says of tasks, where there is any.
+_TOLD = ("done here", "failed", "issued again")
+
 #: A pass of a render with a time limit.
 _TIMED_PASS = 20.0
 
@@ -119,6 +122,16 @@ class ClusterExecutor:
     def adds_whole_samples(self) -> bool:
         """Light paths are added window by window; see `alight.rendering.light_tasks`."""
         return True
+
+    @property
+    def note(self) -> str:
+        """Workers that have answered, and what had to be done again."""
+        dispatcher = self._dispatcher
+        if self._threads:
+            return "cluster lost"
+        parts = [f"{len(dispatcher.workers)} workers"]
+        parts += [f"{n} {name}" for name, n in sorted(dispatcher.counts.items()) if name in _TOLD]
+        return ", ".join(parts)
 
     @property
     def pass_seconds(self) -> float:

@@ -54,6 +54,11 @@ class Executor(Protocol):
         """Whether a picture of light paths is complete between any two calls of `add`."""
         ...
 
+    @property
+    def note(self) -> str:
+        """What progress says of who renders; empty for this process."""
+        ...
+
     def __enter__(self) -> Self: ...
     def __exit__(self, *raised: object) -> None: ...
 
@@ -86,7 +91,7 @@ class Executor(Protocol):
 class Threads:
     """The threads of this process; they keep their memory from pass to pass."""
 
-    pass_seconds, adds_whole_samples = PASS_SECONDS, False
+    pass_seconds, adds_whole_samples, note = PASS_SECONDS, False, ""
     _pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:

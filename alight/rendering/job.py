@@ -45,6 +45,8 @@ class Progress:
         Of rendering, those before a resumed checkpoint too.
     film : Film or None
         May be read at any time.
+    note : str
+        About who renders, where it is not this process.
     """
 
     phase: str
@@ -52,6 +54,7 @@ class Progress:
     total_samples: int
     seconds: float
     film: Film | None
+    note: str = ""
 
 
 class JobState(NamedTuple):
@@ -224,11 +227,11 @@ class Job:
         """The picture so far."""
         return self.schedule.picture(self.rounds)
 
-    def progress(self) -> Progress:
+    def progress(self, note: str = "") -> Progress:
         """How far the job is."""
         _, _, width, height = self.rounds[0].crop
         total = round((self.schedule.total_spp or 0) * width * height)
-        return Progress("render", self.samples, total, self.seconds, self.film)
+        return Progress("render", self.samples, total, self.seconds, self.film, note)
 
     @property
     def seconds_left(self) -> float | None:

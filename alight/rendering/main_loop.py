@@ -157,7 +157,7 @@ def run(
         if writer:
             writer.tick(job)
         if progress and job.seconds - reported > REPORT_EVERY:
-            progress(job.progress())
+            progress(job.progress(executor.note))
             reported = job.seconds
 
     try:
@@ -174,7 +174,7 @@ def run(
         if writer:
             writer.finish(job)
         if progress:
-            progress(job.progress())
+            progress(job.progress(executor.note))
     film = job.film
     film.stats = job.statistics(clock.laps) | executor.statistics()
     if writer:
