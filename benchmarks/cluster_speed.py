@@ -20,7 +20,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
 
 SCENE, SIZE = "cornell-box", 256
 
@@ -97,7 +96,7 @@ def main() -> None:
         "two workers over one, rendering": median("one", "seconds") / median("two", "seconds"),
         "two workers over one, whole process": median("one", "process") / median("two", "process"),
         "over threads, rendering": median("threads", "seconds") / median("two", "seconds"),
-        "over threads, call with the cluster's start": median("threads", "all") / median("two", "all"),
+        "over threads, with the cluster's start": median("threads", "all") / median("two", "all"),
         "over threads, whole process": median("threads", "process") / median("two", "process"),
         "bytes from workers per pixel": median("two", "bytes") / SIZE**2,
         "bytes from workers per pixel and sample": median("two", "bytes") / SIZE**2 / spp,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from alight.cluster.worker import machine_here, state_here
@@ -12,7 +13,8 @@ from lanewise.machine import NATIVE, differing
 _WAIT, _AT_A_TIME = 5.0, 16
 
 
-class WorkerStatus(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class WorkerStatus:
     """One worker.
 
     Attributes
@@ -106,7 +108,10 @@ def workers_of(client: Any, target: str = NATIVE) -> list[WorkerStatus]:
             trouble = f"{type(error).__name__}: {error}"
         memory = int(about.get("metrics", {}).get("memory", 0))
         tasks = len(held.get(address, ()))
-        return WorkerStatus(address, about["nthreads"], tasks, memory, kind, rate, trouble)
+        return WorkerStatus(
+            address=address, threads=about["nthreads"], tasks=tasks, memory=memory, kind=kind,
+            rate=rate, trouble=trouble,
+        )  # fmt: skip
 
     with ThreadPoolExecutor(_AT_A_TIME) as pool:
         return list(pool.map(ask, sorted(known)))

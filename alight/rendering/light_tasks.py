@@ -12,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -47,7 +48,8 @@ _ROOM = 1 << (62 - LOW_BITS)
 _MOST_EDGES = 64
 
 
-class LightTask(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class LightTask:
     """Light paths that one thread traces: some samples of a replicate, in a strip of the window.
 
     Attributes
@@ -77,7 +79,8 @@ class LightTask(NamedTuple):
     @property
     def digest(self) -> str:
         """Names all that the answer depends on."""
-        numbers = self.seed, *self.window, *self.strip, *self[4:], *self.ranges.shape
+        of_replicate = self.replicates, self.replicate, self.first, self.count
+        numbers = self.seed, *self.window, *self.strip, *of_replicate, *self.ranges.shape
         found = hashlib.sha256(repr(tuple(map(int, numbers))).encode())
         found.update(np.ascontiguousarray(self.ranges, np.int64).tobytes())
         return found.hexdigest()
@@ -219,7 +222,10 @@ class LightQueue:
             ranges[top : top + len(of_tile)] = of_tile
         if (ranges == ranges[:1, :1]).all():
             ranges = ranges[:1, :1].copy()
-        self._like = LightTask(seed, window, window, ranges, replicates, 0, 0, 0)
+        self._like = LightTask(
+            seed=seed, window=window, strip=window, ranges=ranges, replicates=replicates,
+            replicate=0, first=0, count=0,
+        )  # fmt: skip
         first, count = ranges[..., 0], ranges[..., 1]
         before = (np.arange(replicates)[:, None, None] - first) % replicates
         #: Of each replicate: samples that there are, and that have been cut off.
@@ -242,8 +248,8 @@ class LightQueue:
         replicate = int(np.where(left > 0, self._next, np.iinfo(np.int64).max).argmin())
         seconds = min(left.sum() * pixels / (speed * max(threads, 1) * 3), LONGEST)
         count = min(int(left[replicate]), max(1, round(speed * seconds / pixels)))
-        task = self._like._replace(
-            replicate=replicate, first=int(self._next[replicate]), count=count
+        task = replace(
+            self._like, replicate=replicate, first=int(self._next[replicate]), count=count
         )
         self._next[replicate] += count
         strips = math.ceil(pixels / (speed * LONGEST)) if threads else 1
@@ -265,7 +271,7 @@ class LightQueue:
             there.append(value)
         if (
             there[0].partial.counts.sum()
-            == task._replace(strip=task.window).samples_of_pixels().sum()
+            == replace(task, strip=task.window).samples_of_pixels().sum()
         ):
             del self._pending[key]
             add(there[0].partial, there[0].rays)
@@ -279,20 +285,20 @@ class LightQueue:
             That were cut off, and are not answered.
         """
         whole = {(task.replicate, task.first): task for task in (*tasks, *self._strips)}
-        whole |= {key: self._like._replace(replicate=key[0], first=key[1], count=1)
+        whole |= {key: replace(self._like, replicate=key[0], first=key[1], count=1)
                   for key in self._pending}  # fmt: skip
         self._pending, self._strips = {}, []
         found = [
             Block(tile, ranges)
             for task in whole.values()
-            for tile, ranges in task._replace(strip=task.window).blocks()
+            for tile, ranges in replace(task, strip=task.window).blocks()
         ]
         # From where no replicate has been, all follow one another.
         level, replicates = int(self._next.max()), self._like.replicates
         for replicate, at in enumerate(self._next.tolist()):
             count = min(level, int(self._most[replicate])) - at
             if count > 0:
-                behind = self._like._replace(replicate=replicate, first=at, count=count)
+                behind = replace(self._like, replicate=replicate, first=at, count=count)
                 found += behind.blocks()
         first, count = self._like.ranges[..., 0], self._like.ranges[..., 1]
         for step in range(level, int(self._most.max())):
@@ -313,7 +319,7 @@ def _strips(task: LightTask, count: int) -> Iterator[LightTask]:
     cuts = [edges[0] + rows * i // count for i in range(count + 1)]
     for top, end in pairwise(cuts):
         strip = Tile(x0, max(y0, top * CELL_SIZE), x1, min(y1, end * CELL_SIZE))
-        yield task._replace(strip=strip)
+        yield replace(task, strip=strip)
 
 
 def _joined(one: LightSums, other: LightSums) -> LightSums:

@@ -4,6 +4,8 @@ from tests.mutants.mutant import Mutant
 
 PARTS = "tests/cli/test_parts.py"
 TASKS = "tests/cluster/test_block_tasks.py"
+LIGHT = "tests/cluster/test_light_tasks.py"
+SHARED = "tests/cluster/test_shared_file.py"
 DISPATCH = "tests/cluster/test_dispatch.py"
 STUDIES = "tests/cluster/test_studies.py"
 
@@ -118,5 +120,29 @@ CLUSTER = (
         "lab/run_blocks.py",
         (("if others := sorted(found - {own}):", "if others := []:"),),
         f"{STUDIES}::test_times_of_another_processor_in_the_store_are_refused_or_marked",
+    ),
+    Mutant(
+        "light paths of the next replicate",
+        "rendering/light_tasks.py",
+        (("first + (self.replicate - first) % self.replicates", "first"),),
+        f"{LIGHT}::test_tasks_and_what_is_left_of_them_hold_each_sample_once",
+    ),
+    Mutant(
+        "a strip taken for the whole window",
+        "rendering/light_tasks.py",
+        (("        if key not in self._pending:", "        if True:"),),
+        f"{LIGHT}::test_tasks_and_what_is_left_of_them_hold_each_sample_once",
+    ),
+    Mutant(
+        "sums of strips that are not joined",
+        "rendering/light_tasks.py",
+        (("    add_sums(a.sums, b.sums)\n", ""),),
+        f"{LIGHT}::test_answers_add_up_to_the_film_of_a_render",
+    ),
+    Mutant(
+        "a shared file of other bytes",
+        "cluster/shared_file.py",
+        (("if not ours or hashlib", "if False and hashlib"),),
+        f"{SHARED}::test_a_file_of_other_bytes_is_not_used",
     ),
 )
