@@ -190,3 +190,14 @@ def _cache_root() -> Path:
         return Path(base)
     home = os.environ.get("XDG_CACHE_HOME")
     return (Path(home) if home else Path.home() / ".cache") / application().name
+
+
+@cache
+def processor() -> str:
+    """The processor's name: times of two machines compare only if it is the same."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

@@ -35,16 +35,20 @@ def status(
 ) -> None:
     """Say which workers a cluster has, and which this machine's renders refuse."""
     from alight.cluster.addresses import check_address, connected
-    from alight.cluster.status import workers_of
+    from alight.cluster.status import dashboard_of, losses_of, workers_of
 
     check_address(address, cluster_keys)
     TargetOptions(target=target)
     with connected(address, cluster_keys) as client:
         found = workers_of(client, target)
+        lost, dashboard = losses_of(client), dashboard_of(client)
     for worker in found:
         typer.echo(str(worker))
     usable = sum(worker.threads for worker in found if not worker.trouble)
     typer.echo(f"{len(found)} workers; threads that give this machine's bits: {usable}")
+    typer.echo(f"lost since the scheduler was started: {lost.workers} workers, {lost.tasks} tasks")
+    if dashboard:
+        typer.echo(f"dashboard: {dashboard}")
 
 
 keys.spelling = status.spelling = {  # type: ignore[attr-defined]

@@ -132,7 +132,11 @@ class ProgressBar(Bar):
             description=f"{self.title}rendering",
             completed=done,
             total=total or None,
-            rate=f"{progress.done_samples / seconds / 1e6:.2f} Msamples/s",
+            rate=", ".join(
+                filter(
+                    None, (f"{progress.done_samples / seconds / 1e6:.2f} Msamples/s", progress.note)
+                )
+            ),
             error=self._current_error(progress),
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,9 @@ _QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
 }
+
+#: What every worker imports, and Dask's own list for a server of forks leaves out.
+_PRELOADED = ("distributed", "distributed.nanny", "distributed.worker", "alight.cluster.worker")
 
 #: Seconds after which a scheduler that does not answer is not waited for.
 _CONNECT = 20.0
@@ -120,10 +123,19 @@ def _is_this_machine(host: str) -> bool:
 
 
 @contextmanager
-def connected(where: Any, keys: str | os.PathLike[str] | None = None) -> Iterator[Client]:
+def connected(
+    where: Any, keys: str | os.PathLike[str] | None = None, modules: Sequence[str] = ()
+) -> Iterator[Client]:
     """A client of the cluster at an address that `check_address` has let pass.
 
     A client that was given is given back, and stays open.
+
+    Parameters
+    ----------
+    where, keys
+        See `check_address`.
+    modules : sequence of str
+        Imported once for all processes of ``local:N``, where the system can fork.
 
     Raises
     ------
@@ -137,7 +149,7 @@ def connected(where: Any, keys: str | os.PathLike[str] | None = None) -> Iterato
         return
     processes = processes_of(where)
     if processes:
-        with _local_cluster(processes) as cluster, Client(cluster) as client:
+        with _local_cluster(processes, modules) as cluster, Client(cluster) as client:
             yield client
         return
     if is_cluster_file(where):
@@ -156,14 +168,22 @@ def connected(where: Any, keys: str | os.PathLike[str] | None = None) -> Iterato
         yield client
 
 
-def _local_cluster(processes: int) -> Any:
+def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
     """Processes of one thread each, behind TLS with keys that live as long as they do."""
     import logging
+    import multiprocessing
 
     import dask.config
     from distributed import LocalCluster, Security
+    from distributed.utils import get_mp_context
 
-    with dask.config.set(_QUIET):
+    settings: dict[str, Any] = dict(_QUIET)
+    if "forkserver" in multiprocessing.get_all_start_methods():
+        settings["distributed.worker.multiprocessing-method"] = "forkserver"
+    with dask.config.set(settings):
+        if len(settings) > len(_QUIET):
+            # Dask names modules of its own here, once, and others may be named after it has.
+            get_mp_context().set_forkserver_preload([*_PRELOADED, *modules])
         return LocalCluster(
             n_workers=processes, threads_per_worker=1, processes=True, host="127.0.0.1",
             protocol="tls://", security=Security.temporary(), dashboard_address="127.0.0.1:0",

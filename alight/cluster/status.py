@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from alight.cluster.worker import machine_here
+from alight.cluster.worker import machine_here, state_here
 from lanewise.machine import NATIVE, differing
 
 #: Seconds for which one worker's answer is waited for, and how many are asked at a time.
 _WAIT, _AT_A_TIME = 5.0, 16
 
 
-class WorkerStatus(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class WorkerStatus:
     """One worker.
 
     Attributes
@@ -22,6 +24,10 @@ class WorkerStatus(NamedTuple):
         Tasks that it runs or that wait in it.
     memory : int
         Bytes that its process holds.
+    kind : str
+        Its processor.
+    rate : float
+        Samples per second in the last minute, for all clients.
     trouble : str
         Why this machine's renders get nothing from it; empty where they do.
     """
@@ -30,13 +36,51 @@ class WorkerStatus(NamedTuple):
     threads: int
     tasks: int
     memory: int
+    kind: str
+    rate: float
     trouble: str
 
     def __str__(self) -> str:
         """One line."""
         threads = "1 thread" if self.threads == 1 else f"{self.threads} threads"
-        line = f"{self.address}  {threads}, {self.memory / 2**20:.0f} MiB, {self.tasks} tasks"
+        tasks = "1 task" if self.tasks == 1 else f"{self.tasks} tasks"
+        line = (
+            f"{self.address}  {threads}, {self.kind or 'unknown kind'}, {self.rate / 1e6:.2f} "
+            f"Msamples/s, {self.memory / 2**20:.0f} MiB, {tasks}"
+        )
         return f"{line}, refused: {self.trouble}" if self.trouble else line
+
+
+class Losses(NamedTuple):
+    """What a cluster has lost since its scheduler was started.
+
+    Attributes
+    ----------
+    workers : int
+        That went without having been told to.
+    tasks : int
+        That they were to run, and others ran then.
+    """
+
+    workers: int
+    tasks: int
+
+
+def losses_of(client: Any) -> Losses:
+    """Ask the scheduler, which remembers its last events."""
+    gone = [
+        event for _, event in client.get_events("all")
+        if isinstance(event, dict) and event.get("action") == "remove-worker"
+        and not event.get("expected")
+    ]  # fmt: skip
+    return Losses(len(gone), sum(len(event.get("processing-tasks", ())) for event in gone))
+
+
+def dashboard_of(client: Any) -> str | None:
+    """Address of Dask's pages about the cluster, if it has any."""
+    if "dashboard" not in client.scheduler_info(n_workers=0).get("services", {}):
+        return None
+    return client.dashboard_link
 
 
 def workers_of(client: Any, target: str = NATIVE) -> list[WorkerStatus]:
@@ -52,10 +96,10 @@ def workers_of(client: Any, target: str = NATIVE) -> list[WorkerStatus]:
     held = client.processing()
 
     def ask(address: str) -> WorkerStatus:
-        about = known[address]
+        about, kind, rate = known[address], "", 0.0
         try:
-            machine = client.sync(
-                client._run, machine_here, target, workers=[address], callback_timeout=_WAIT
+            machine, kind, rate = client.sync(
+                client._run, state_here, target, workers=[address], callback_timeout=_WAIT
             )[address]
             trouble = "; ".join(differing(machine, machine_here(target)))
         except TimeoutError:
@@ -64,7 +108,10 @@ def workers_of(client: Any, target: str = NATIVE) -> list[WorkerStatus]:
             trouble = f"{type(error).__name__}: {error}"
         memory = int(about.get("metrics", {}).get("memory", 0))
         tasks = len(held.get(address, ()))
-        return WorkerStatus(address, about["nthreads"], tasks, memory, trouble)
+        return WorkerStatus(
+            address=address, threads=about["nthreads"], tasks=tasks, memory=memory, kind=kind,
+            rate=rate, trouble=trouble,
+        )  # fmt: skip
 
     with ThreadPoolExecutor(_AT_A_TIME) as pool:
         return list(pool.map(ask, sorted(known)))

@@ -7,19 +7,26 @@ again, is given it by the scheduler before its first task.
 from __future__ import annotations
 
 import hashlib
-import pickle
 import threading
 import time
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from distributed import WorkerPlugin, get_worker
 
-from lanewise.machine import describe_machine, fingerprint
+from alight.cluster.shared_file import forget, mapped, packed, unpacked
+from lanewise.machine import describe_machine, fingerprint, processor
 
 #: Objects that a process keeps unpickled; the one that was used last of all goes first.
 KEPT = 2
+
+#: Seconds of which a worker knows how fast it was.
+_LATELY = 60.0
+
+#: When a task was finished, and its samples.
+_finished: deque[tuple[float, float]] = deque(maxlen=4096)
 
 _kept: OrderedDict[str, Any] = OrderedDict()
 _lock = threading.Lock()
@@ -69,15 +76,25 @@ class Shared(WorkerPlugin):
     ----------
     digest : str
         SHA-256 of `data`.
-    data : bytes
+    data : bytes or mmap
+        The latter in a worker, see `alight.cluster.shared_file`.
     """
 
     idempotent = True
 
     def __init__(self, thing: Any) -> None:
-        self.data = pickle.dumps(thing, protocol=5)
+        self.data: Any = packed(thing)
         self.digest = hashlib.sha256(self.data).hexdigest()
         self.name = _name(self.digest)
+
+    def setup(self, worker: Any) -> None:
+        """Share the memory of the machine's other workers."""
+        self._folder = Path(worker.local_directory).parent
+        self.data = mapped(self._folder, self.digest, self.data)
+
+    def teardown(self, worker: Any) -> None:
+        """Leave no file behind."""
+        forget(self._folder, self.digest)
 
 
 def _name(digest: str) -> str:
@@ -104,6 +121,11 @@ def machine_here(target: str) -> dict[str, str]:
     return describe_machine(target)
 
 
+def state_here(target: str) -> tuple[dict[str, str], str, float]:
+    """`machine_here`, the kind of processor, and `samples_per_second`."""
+    return machine_here(target), processor(), samples_per_second()
+
+
 def perform(
     function: Callable[[Any, Any], Any], digest: str, asked: Asked, task: Any
 ) -> Answer | Refusal:
@@ -123,7 +145,14 @@ def perform(
         return Refusal(address, machine_here(asked.target))
     thing, begin = _shared(digest), time.perf_counter()
     value = function(thing, task)
+    _finished.append((time.monotonic(), getattr(task, "samples", 0.0)))
     return Answer(address, time.perf_counter() - begin, value)
+
+
+def samples_per_second() -> float:
+    """Of this process, in the last minute."""
+    since = time.monotonic() - _LATELY
+    return sum(samples for when, samples in list(_finished) if when > since) / _LATELY
 
 
 def _shared(digest: str) -> Any:
@@ -132,7 +161,7 @@ def _shared(digest: str) -> Any:
             shared: Any = get_worker().plugins[_name(digest)]
             if hashlib.sha256(shared.data).hexdigest() != digest:
                 raise ValueError("what tasks share has arrived with other bytes than were sent")
-            _kept[digest] = pickle.loads(shared.data)
+            _kept[digest] = unpacked(shared.data)
         _kept.move_to_end(digest)
         while len(_kept) > KEPT:
             _kept.popitem(last=False)

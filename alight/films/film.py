@@ -149,23 +149,21 @@ class Film:
         FilmError
             If the tile does not fit, holds samples that the film has, or there is no room.
         """
-        rows, columns = tiles.window_of(self, partial)
+        window = tiles.window_of(self, partial)
         cells = tiles.ranges_of(self, partial)
         with self.lock:
-            counts = self.counts[rows, columns] + partial.counts
+            counts = self.counts[window] + partial.counts
             tiles.check_room(self, counts)
             if cells is not None:
                 index, added = cells
                 self.cells[index] = union_of_cells(self.cells[index], added)
-            self.counts[rows, columns] = counts
+            self.counts[window] = counts
             if add_rows is None:
-                tiles.add_sums(self.sums[rows, columns], partial.sums)
+                tiles.add_sums(self.sums[window], partial.sums)
             else:
-                tiles.add_sums_compiled(
-                    add_rows, self.sums, rows.start, columns.start, partial.sums
-                )
+                tiles.add_sums_compiled(add_rows, self.sums, window, partial.sums)
             for name, plane in self.aov_sums.items():
-                tiles.add_sums(plane[rows, columns], (partial.aovs or {})[name])
+                tiles.add_sums(plane[window[:2]], (partial.aovs or {})[name])
             if self.coverage is not None:
                 self.coverage.add(tiles.coverage_of(self, partial))
             self.invalid += int(partial.invalid)

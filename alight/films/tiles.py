@@ -33,13 +33,16 @@ class PartialFilm(NamedTuple):
     counts : ndarray of int64, shape (th, tw, R)
     invalid, saturated : int
         Samples with NaN or infinity (added as 0) and sample values cut to 2^36.
-    ranges : (int, int) or ndarray of int, shape (cells_y, cells_x, 2)
-        (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches.
+    ranges : (int, int), or ndarray of int, shape (cells_y, cells_x, 2), or of SampleRanges
+        (first, count) of the sample indices, for the whole tile or each 8x8 cell that it touches;
+        or all of each cell, shape (cells_y, cells_x).
     aovs : mapping of str to ndarray of int64, shape (th, tw, c, 2)
         Fixed-point sums over all samples; of `FIRST_SAMPLE_LAYERS` only of sample 0 of each pixel,
         so that they add up whichever film holds it; zeros where none does.
     coverage : SurfaceSums, optional
         Weights of surfaces in the pixels of the tile, counted row by row.
+    replicate : int, optional
+        The only one that has samples here: then `sums` and `counts` have R = 1.
     """
 
     x0: int
@@ -51,6 +54,7 @@ class PartialFilm(NamedTuple):
     ranges: Any = None
     aovs: Mapping[str, np.ndarray] | None = None
     coverage: SurfaceSums | None = None
+    replicate: int | None = None
 
 
 def check_shape(
@@ -72,11 +76,16 @@ def check_shape(
             )
 
 
-def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice]:
-    """Rows and columns of a film's arrays that a tile covers, checked."""
+def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice, slice]:
+    """Rows, columns and replicates of a film's arrays that a tile covers, checked."""
     x, y, w, h = film.crop
     th, tw = partial.counts.shape[:2]
-    shape = (th, tw, film.replicates, len(film.channels), 2)
+    replicates = slice(0, film.replicates)
+    if partial.replicate is not None:
+        if not 0 <= partial.replicate < film.replicates:
+            raise FilmError(f"a film of {film.replicates} replicates has no {partial.replicate}")
+        replicates = slice(partial.replicate, partial.replicate + 1)
+    shape = (th, tw, replicates.stop - replicates.start, len(film.channels), 2)
     if partial.sums.shape != shape or partial.counts.shape != shape[:3]:
         raise FilmError(
             f"a tile of this film has sums of shape {shape} and counts of shape {shape[:3]}, "
@@ -95,7 +104,7 @@ def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice]:
             f"tile at ({partial.x0}, {partial.y0}) of {tw}x{th} pixels leaves the film's "
             f"window ({x}, {y}, {w}, {h})"
         )
-    return slice(top, top + th), slice(left, left + tw)
+    return slice(top, top + th), slice(left, left + tw), replicates
 
 
 def ranges_of(film: Film, partial: PartialFilm) -> tuple[tuple[slice, slice], np.ndarray] | None:
@@ -114,6 +123,8 @@ def ranges_of(film: Film, partial: PartialFilm) -> tuple[tuple[slice, slice], np
             raise FilmError(f"tile edges must lie on 8x8 cells, got {name} from {first} to {end}")
     index = cells_of(partial.x0, partial.y0, tw, th)
     shape = film.cells[index].shape
+    if np.asarray(partial.ranges).dtype.hasobject:
+        return index, np.broadcast_to(partial.ranges, shape)
     pairs = np.broadcast_to(np.asarray(partial.ranges, np.int64), (*shape, 2))
     return index, cells_with(pairs)
 
@@ -146,12 +157,18 @@ def add_sums(target: np.ndarray, sums: np.ndarray) -> None:
 
 
 def add_sums_compiled(
-    add_rows: Callable, target: np.ndarray, top: int, left: int, sums: np.ndarray
+    add_rows: Callable, target: np.ndarray, window: tuple[slice, slice, slice], sums: np.ndarray
 ) -> None:
-    """As `add_sums`, to the window of `target` whose corner is at (left, top)."""
-    stride = target[0].size
-    start = stride * top + target[0, 0].size * left
-    add_rows(View(target), start, stride, View(sums), len(sums), sums[0].size // 2)
+    """As `add_sums`, to rows, columns and replicates of `target`."""
+    rows, columns, replicates = window
+    row, pixel, one = target[0].size, target[0, 0].size, target[0, 0, 0].size
+    start = row * rows.start + pixel * columns.start + one * replicates.start
+    if sums.shape[2] == target.shape[2]:
+        add_rows(View(target), start, row, View(sums), len(sums), sums[0].size // 2)
+        return
+    # Sums of one replicate lie apart from pixel to pixel.
+    for y, of_row in enumerate(sums):
+        add_rows(View(target), start + row * y, pixel, View(of_row), len(of_row), one // 2)
 
 
 def names_of(names: Any) -> str:

@@ -8,12 +8,9 @@ others, any other one is marked.
 from __future__ import annotations
 
 import hashlib
-import platform
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -27,6 +24,7 @@ from alight.lab.steering import is_steered, steered_ladder
 from alight.rendering.block_tasks import sent
 from alight.rendering.tile import Kernels
 from alight.rendering.training import is_to_be_guided
+from lanewise.machine import processor
 
 if TYPE_CHECKING:
     from alight.lab.arms import Arm
@@ -77,17 +75,6 @@ class SharedArm(NamedTuple):
     kernels: Kernels
     replicates: int
     schedule: Any
-
-
-@cache
-def processor() -> str:
-    """The processor's name: times of two machines compare only if it is the same."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def render_replicate(shared: Sequence[SharedArm], task: Ladder) -> bytes:
@@ -258,7 +245,7 @@ def spread_over(options: ClusterOptions | None, equal_time: bool) -> Iterator[Sp
         yield None
         return
     check_address(options.cluster, options.cluster_keys)
-    with connected(options.cluster, options.cluster_keys) as client:
+    with connected(options.cluster, options.cluster_keys, (__name__,)) as client:
         with suppress(TimeoutError):
             client.wait_for_workers(1, timeout=_LATE)
         yield Spread(client, equal_time)

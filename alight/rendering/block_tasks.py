@@ -7,7 +7,8 @@ canonical sums of each block, and the digest of the task that they answer.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ import numpy as np
 from alight.compiled.scene import CompiledScene
 from alight.core.errors import FilmError
 from alight.films import CELL_SIZE, PartialFilm
-from alight.films.archive import pack_archive, unpack_archive
+from alight.films.archive import Archive, pack_archive, unpack_archive
 from alight.films.coverage import SurfaceSums, pack_sums, unpack_sums
 from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
 from alight.integrators.walk import Settings, sent_integrator
@@ -24,10 +25,10 @@ from alight.rendering.executors import Block
 from alight.rendering.tile import Kernels, Scratch, render_tile
 
 #: Units of limb 0 that a sample adds at most, with its carry.
-_LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
+LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
 
 #: Bytes of an answer's header for each block, at most.
-_HEADER = 2**16
+HEADER = 2**16
 
 
 class BlockTask(NamedTuple):
@@ -42,6 +43,11 @@ class BlockTask(NamedTuple):
 
     seed: int
     blocks: tuple[Block, ...]
+
+    @property
+    def samples(self) -> float:
+        """How many, about."""
+        return sum(map(samples_in, self.blocks))
 
     @property
     def digest(self) -> str:
@@ -91,14 +97,18 @@ def render_blocks(shared: SharedScene, task: BlockTask) -> bytes:
         described.append(tally)
         arrays[f"{number}.counts"] = partial.counts.copy()
         for name, sums in {"": partial.sums, **(partial.aovs or {})}.items():
-            carry(sums)
-            # Limbs apart: their bytes have nothing in common that could be left out.
-            arrays[f"{number}.{name}.high"] = sums[..., 0].copy()
-            arrays[f"{number}.{name}.low"] = sums[..., 1].copy()
+            arrays |= limbs_of(f"{number}.{name}", sums)
         if partial.coverage is not None:
             arrays |= pack_sums(f"{number}.coverage", partial.coverage)
     content = {"task": task.digest, "blocks": described}
     return b"".join(pack_archive(content, arrays))
+
+
+def limbs_of(name: str, sums: np.ndarray) -> dict[str, np.ndarray]:
+    """Arrays of an answer, of sums that are made canonical."""
+    carry(sums)
+    # Limbs apart: their bytes have nothing in common that could be left out.
+    return {f"{name}.high": sums[..., 0].copy(), f"{name}.low": sums[..., 1].copy()}
 
 
 class Layout(NamedTuple):
@@ -127,7 +137,7 @@ class Layout(NamedTuple):
         if self.surfaces is not None:
             of_blocks = (samples_of(block, self.replicates).sum(axis=2) for block in task.blocks)
             rows = sum(int(np.minimum(n, self.surfaces).sum()) for n in of_blocks)
-        return 8 * (numbers * pixels + 4 * rows) + _HEADER * len(task.blocks)
+        return 8 * (numbers * pixels + 4 * rows) + HEADER * len(task.blocks)
 
 
 def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[PartialFilm, int]]:
@@ -144,14 +154,7 @@ def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[Partia
         If it is damaged, that of another task, or has arrays of another shape or type, other
         numbers of samples, or sums that so many samples cannot have.
     """
-    if not isinstance(data, bytes):
-        raise FilmError(f"a worker's answer is {type(data).__name__}, not bytes")
-    if len(data) > layout.most_bytes(task):
-        raise FilmError(f"a worker's answer is {len(data)} bytes long: too long for its blocks")
-    try:
-        content, arrays = unpack_archive("a worker's answer", memoryview(data))
-        if content["task"] != task.digest:
-            raise FilmError("a worker's answer is that of another task")
+    with read_from(task, data, layout.most_bytes(task)) as (content, arrays):
         tallies = content["blocks"]
         if len(tallies) != len(task.blocks):
             raise FilmError(f"a worker answered {len(tallies)} blocks, not {len(task.blocks)}")
@@ -159,6 +162,25 @@ def read_blocks(layout: Layout, task: BlockTask, data: Any) -> list[tuple[Partia
             _block(layout, block, tally, number, arrays)
             for number, (block, tally) in enumerate(zip(task.blocks, tallies, strict=True))
         ]
+
+
+@contextmanager
+def read_from(task: Any, data: Any, most_bytes: int) -> Iterator[Archive]:
+    """The archive of an answer to a task; what is read of it may be missing, or of another type.
+
+    Raises
+    ------
+    FilmError
+    """
+    if not isinstance(data, bytes):
+        raise FilmError(f"a worker's answer is {type(data).__name__}, not bytes")
+    if len(data) > most_bytes:
+        raise FilmError(f"a worker's answer is {len(data)} bytes long: too long for its task")
+    try:
+        archive = unpack_archive("a worker's answer", memoryview(data))
+        if archive.content["task"] != task.digest:
+            raise FilmError("a worker's answer is that of another task")
+        yield archive
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, FilmError):
             raise
@@ -169,26 +191,29 @@ def _block(
     layout: Layout, block: Block, tally: Mapping[str, Any], number: int, arrays: Any
 ) -> tuple[PartialFilm, int]:
     tile, expected = block.tile, samples_of(block, layout.replicates)
-    counts = _array(arrays, f"{number}.counts", expected.shape)
-    if (counts != expected).any():
-        raise FilmError("a worker's answer has other samples than were asked for")
+    check_counts(arrays, f"{number}.counts", expected)
     most = expected.sum(axis=2)
     shape = (*expected.shape, layout.channels)
-    sums = _sums(arrays, f"{number}.", shape, expected[..., None])
+    sums = sums_of(arrays, f"{number}.", shape, LARGEST * expected[..., None])
     aovs = {
-        name: _sums(arrays, f"{number}.{name}", (*most.shape, len(names)), most[..., None])
+        name: sums_of(
+            arrays, f"{number}.{name}", (*most.shape, len(names)), LARGEST * most[..., None]
+        )
         for name, names in layout.aovs.items()
     }
-    values = [tally[name] for name in ("invalid", "saturated", "rays")]
-    if not all(type(value) is int and value >= 0 for value in values):
-        raise FilmError(f"a worker's answer has the tallies {values}")
-    invalid, saturated, rays = values
+    invalid, saturated, rays = tallies_of(tally)
     partial = PartialFilm(
-        x0=tile.x0, y0=tile.y0, sums=sums, counts=counts, invalid=invalid, saturated=saturated,
+        x0=tile.x0, y0=tile.y0, sums=sums, counts=expected, invalid=invalid, saturated=saturated,
         ranges=block.ranges, aovs=aovs,
         coverage=_coverage(layout, arrays, f"{number}.coverage", most.ravel()),
     )  # fmt: skip
     return partial, rays
+
+
+def samples_in(block: Block) -> float:
+    """Samples of a block, about: as if cells at its edges were whole."""
+    tile = block.tile
+    return float(block.ranges[..., 1].mean()) * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
 
 
 def samples_of(block: Block, replicates: int) -> np.ndarray:
@@ -208,19 +233,36 @@ def _coverage(layout: Layout, arrays: Any, name: str, samples: np.ndarray) -> Su
     if layout.surfaces is None:
         return None
     found = unpack_sums(name, arrays, len(samples), layout.surfaces)
-    if (abs(found.sums[:, 0]) > _LARGEST * samples[found.pixels]).any():
+    if (abs(found.sums[:, 0]) > LARGEST * samples[found.pixels]).any():
         raise FilmError("a worker's answer has weights that its samples cannot have")
     return found
 
 
-def _sums(arrays: Any, name: str, shape: tuple[int, ...], samples: np.ndarray) -> np.ndarray:
+def check_counts(arrays: Mapping[str, np.ndarray], name: str, expected: np.ndarray) -> None:
+    """Refuse an answer to other samples."""
+    if (_array(arrays, name, expected.shape) != expected).any():
+        raise FilmError("a worker's answer has other samples than were asked for")
+
+
+def tallies_of(content: Mapping[str, Any]) -> list[int]:
+    """Invalid and saturated samples, and rays."""
+    values = [content[name] for name in ("invalid", "saturated", "rays")]
+    if not all(type(value) is int and value >= 0 for value in values):
+        raise FilmError(f"a worker's answer has the tallies {values}")
+    return values
+
+
+def sums_of(
+    arrays: Mapping[str, np.ndarray], name: str, shape: tuple[int, ...], most: Any
+) -> np.ndarray:
+    """Canonical sums, of which limb 0 is at most `most`."""
     high, low = (_array(arrays, f"{name}.{limb}", shape) for limb in ("high", "low"))
-    if ((low < 0) | (low > LOW_MASK)).any() or (abs(high) > _LARGEST * samples).any():
+    if ((low < 0) | (low > LOW_MASK)).any() or (abs(high) > most).any():
         raise FilmError("a worker's answer has sums that its samples cannot have")
     return np.stack([high, low], axis=-1)
 
 
-def _array(arrays: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+def _array(arrays: Mapping[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:
     array = arrays[name]
     if array.shape != shape or array.dtype != np.int64:
         raise FilmError(

@@ -13,6 +13,7 @@ import numpy as np
 
 from alight.cluster.addresses import check_address, connected
 from alight.core.errors import OptionError
+from alight.films import PartialFilm
 from alight.integrators.walk import Settings
 from alight.rendering.block_tasks import (
     BlockTask,
@@ -20,9 +21,12 @@ from alight.rendering.block_tasks import (
     SharedScene,
     read_blocks,
     render_blocks,
+    samples_in,
     sent,
 )
 from alight.rendering.executors import Add, Block, Executor, Threads
+from alight.rendering.light_tasks import LightQueue, LightTask, read_light_sums, render_light_task
+from alight.rendering.tile_kernel import Tile
 
 if TYPE_CHECKING:
     from alight.cluster.dispatch import Patience
@@ -40,6 +44,12 @@ _SHARES = 3
 
 #: Samples per second of a thread, until that is measured.
 _SPEED = 1e5
+
+#: What workers import to answer.
+MODULES = (__name__,)
+
+#: What progress says of tasks, where there is any.
+_TOLD = ("done here", "failed", "issued again")
 
 #: A pass of a render with a time limit.
 _TIMED_PASS = 20.0
@@ -72,24 +82,12 @@ class ClusterExecutor:
 
     def __enter__(self) -> Self:
         """Connect."""
-        self._client = self._stack.enter_context(connected(self._where, self._keys))
+        self._client = self._stack.enter_context(connected(self._where, self._keys, MODULES))
         return self
 
     def __exit__(self, *raised: object) -> None:
         """Disconnect; processes that were started for this render end."""
         self._stack.close()
-
-    def check(self, job: Job) -> None:
-        """Refuse paths that start at lights: their sums are whole pictures.
-
-        Raises
-        ------
-        OptionError
-        """
-        if job.splats:
-            name = job.scene.integrator.type_name()
-            text = f"does not render with the integrator {name}; {{part}} does"
-            raise OptionError(text, "cluster", names=("part",))
 
     def begin(self, job: Job) -> None:
         """Send the scene and its kernels to the workers.
@@ -107,15 +105,33 @@ class ClusterExecutor:
         surfaces = len(film.coverage.names) if film.coverage else None
         layout = Layout(film.replicates, len(film.channels), layers, surfaces)
 
-        def read(task: BlockTask, data: Any) -> Any:
+        def read(task: Any, data: Any) -> Any:
             with self._lock:
                 self._bytes += len(data)
+            if job.splats:
+                return read_light_sums(layout.channels, task, data)
             return read_blocks(layout, task, data)
 
         shared = SharedScene(sent(job.scene), job.settings, job.kernels)
-        self._dispatcher = Dispatcher(self._client, render_blocks, shared, read, self._patience)
+        render = render_light_task if job.splats else render_blocks
+        self._dispatcher = Dispatcher(self._client, render, shared, read, self._patience)
         self._stack.callback(self._dispatcher.close)
         self._dispatcher.open()
+
+    @property
+    def adds_whole_samples(self) -> bool:
+        """Light paths are added window by window; see `alight.rendering.light_tasks`."""
+        return True
+
+    @property
+    def note(self) -> str:
+        """Workers that have answered, and what had to be done again."""
+        dispatcher = self._dispatcher
+        if self._threads:
+            return "cluster lost"
+        parts = [f"{len(dispatcher.workers)} workers"]
+        parts += [f"{n} {name}" for name, n in sorted(dispatcher.counts.items()) if name in _TOLD]
+        return ", ".join(parts)
 
     @property
     def pass_seconds(self) -> float:
@@ -131,27 +147,32 @@ class ClusterExecutor:
         report: Callable[[], None],
     ) -> None:
         """Render blocks on the workers; if the cluster is lost, here. See `Executor`."""
-        queue = BlockQueue(blocks)
+        queue = self._queue(settings.seed, blocks)
 
-        def draw() -> BlockTask | None:
+        def draw() -> BlockTask | LightTask | None:
             threads = 0 if self._threads else self._dispatcher.threads
-            cut = queue.cut(self._speed, threads)
-            return BlockTask(settings.seed, cut) if cut else None
+            return queue.cut(self._speed, threads)
 
-        def take(task: BlockTask, sums: Any, seconds: float) -> None:
-            rate = sum(samples_in(block) for block in task.blocks) / max(seconds, 1e-6)
+        def take(task: Any, sums: Any, seconds: float) -> None:
+            rate = task.samples / max(seconds, 1e-6)
             self._speed += 0.3 * (rate - self._speed)
-            for partial, rays in sums:
-                add(partial, rays)
+            queue.take(task, sums, add)
 
-        left: Sequence[BlockTask] = ()
+        left: Sequence[Any] = ()
         if self._threads is None:
             left = self._dispatcher.run(draw, take, cancel, report)
             if cancel.is_set():
                 return
-        rest = [block for task in left for block in task.blocks] + queue.blocks
+        rest = queue.rest(left)
         if rest:
             self._here().render(settings, rest, add, cancel, report)
+
+    def _queue(self, seed: int, blocks: Sequence[Block]) -> BlockQueue | LightQueue:
+        job = self._job
+        if not job.splats:
+            return BlockQueue(blocks, seed)
+        x, y, width, height = job.rounds[0].crop
+        return LightQueue(blocks, Tile(x, y, x + width, y + height), job.replicates, seed)
 
     def _here(self) -> Threads:
         if self._threads is None:
@@ -174,19 +195,17 @@ class BlockQueue:
     Parameters
     ----------
     blocks : sequence of Block
-
-    Attributes
-    ----------
-    blocks : list of Block
-        From the last one to the next one.
+    seed : int
+        Of the film.
     """
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
-        self.blocks = list(reversed(blocks))
+    def __init__(self, blocks: Sequence[Block], seed: int) -> None:
+        #: From the last one to the next one.
+        self._blocks, self._seed = list(reversed(blocks)), seed
         self._left = sum(map(samples_in, blocks))
 
-    def cut(self, speed: float, threads: int) -> tuple[Block, ...]:
-        """Take blocks, or a share of the samples of one, for one task; empty at the end.
+    def cut(self, speed: float, threads: int) -> BlockTask | None:
+        """Take blocks, or a share of the samples of one, for one task; None at the end.
 
         Parameters
         ----------
@@ -198,19 +217,28 @@ class BlockQueue:
         seconds = self._left / (speed * max(threads, 1) * _SHARES)
         room = speed * min(max(seconds, SHORTEST), LONGEST)
         found: list[Block] = []
-        while self.blocks and (
-            room > 0.0 if not found else room > 0.5 * samples_in(self.blocks[-1])
+        while self._blocks and (
+            room > 0.0 if not found else room > 0.5 * samples_in(self._blocks[-1])
         ):
-            block = self.blocks.pop()
+            block = self._blocks.pop()
             share = room / samples_in(block)
             if share < 0.67 and block.ranges[..., 1].max() > 1:
                 block, rest = split(block, share)
                 if samples_in(rest):
-                    self.blocks.append(rest)
+                    self._blocks.append(rest)
             found.append(block)
             room -= samples_in(block)
         self._left -= sum(map(samples_in, found))
-        return tuple(found)
+        return BlockTask(self._seed, tuple(found)) if found else None
+
+    def take(self, task: BlockTask, value: Sequence[tuple[PartialFilm, int]], add: Add) -> None:
+        """Add an answer."""
+        for partial, rays in value:
+            add(partial, rays)
+
+    def rest(self, tasks: Sequence[BlockTask]) -> list[Block]:
+        """Blocks of tasks that are not answered, and those that no task has."""
+        return [block for task in tasks for block in task.blocks] + self._blocks
 
 
 def split(block: Block, share: float) -> tuple[Block, Block]:
@@ -220,12 +248,6 @@ def split(block: Block, share: float) -> tuple[Block, Block]:
     head = np.stack([first, taken], axis=-1)
     rest = np.stack([first + taken, count - taken], axis=-1)
     return Block(block.tile, head), Block(block.tile, rest)
-
-
-def samples_in(block: Block) -> float:
-    """Samples of a block, about: as if cells at its edges were whole."""
-    tile = block.tile
-    return float(block.ranges[..., 1].mean()) * (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
 
 
 @contextmanager
@@ -241,7 +263,7 @@ def joined(options: T) -> Iterator[T]:
         yield options
         return
     check_address(options.cluster, options.cluster_keys)
-    with connected(options.cluster, options.cluster_keys) as client:
+    with connected(options.cluster, options.cluster_keys, MODULES) as client:
         yield options.changed(cluster=client, cluster_keys=None)
 
 

@@ -49,17 +49,18 @@ class Executor(Protocol):
         """Length of a pass at which its overhead does not show."""
         ...
 
+    @property
+    def adds_whole_samples(self) -> bool:
+        """Whether a picture of light paths is complete between any two calls of `add`."""
+        ...
+
+    @property
+    def note(self) -> str:
+        """What progress says of who renders; empty for this process."""
+        ...
+
     def __enter__(self) -> Self: ...
     def __exit__(self, *raised: object) -> None: ...
-
-    def check(self, job: Job) -> None:
-        """Refuse a job that it cannot render, before kernels are compiled.
-
-        Raises
-        ------
-        OptionError
-        """
-        ...
 
     def begin(self, job: Job) -> None:
         """Take a job, whose kernels are compiled."""
@@ -90,7 +91,7 @@ class Executor(Protocol):
 class Threads:
     """The threads of this process; they keep their memory from pass to pass."""
 
-    pass_seconds = PASS_SECONDS
+    pass_seconds, adds_whole_samples, note = PASS_SECONDS, False, ""
     _pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
@@ -101,9 +102,6 @@ class Threads:
         """End the threads."""
         if self._pool is not None:
             self._pool.shutdown()
-
-    def check(self, job: Job) -> None:
-        """Threads render anything."""
 
     def begin(self, job: Job) -> None:
         """Start the threads."""

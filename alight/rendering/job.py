@@ -50,6 +50,8 @@ class Progress:
         Of rendering, those before a resumed checkpoint too.
     film : Film or None
         May be read at any time.
+    note : str
+        About who renders, where it is not this process.
     """
 
     phase: str
@@ -57,6 +59,7 @@ class Progress:
     total_samples: int
     seconds: float
     film: Film | None
+    note: str = ""
 
 
 class JobState(NamedTuple):
@@ -229,11 +232,11 @@ class Job:
         """The picture so far."""
         return self.schedule.picture(self.rounds)
 
-    def progress(self) -> Progress:
+    def progress(self, note: str = "") -> Progress:
         """How far the job is."""
         _, _, width, height = self.rounds[0].crop
         total = round((self.schedule.total_spp or 0) * width * height)
-        return Progress("render", self.samples, total, self.seconds, self.film)
+        return Progress("render", self.samples, total, self.seconds, self.film, note)
 
     @property
     def seconds_left(self) -> float | None:
@@ -305,7 +308,8 @@ class Job:
         film = self.rounds[self.goal.round]
         settings = self.settings._replace(seed=film.seed)
         # Each light path may add to any pixel: a picture of some of a pass would lack the others.
-        target = film.empty_like() if self.splats else film
+        apart = self.splats and not executor.adds_whole_samples
+        target = film.empty_like() if apart else film
 
         def add(partial: PartialFilm, rays: int) -> None:
             samples = int(partial.counts.sum())
@@ -317,7 +321,7 @@ class Job:
         blocks = [Block(tile, ranges_of(tile, ranges)) for tile in self.tiles]
         wanted = [block for block in blocks if block.ranges[..., 1].any()]
         executor.render(settings, wanted, add, cancel, report)
-        if self.splats and not cancel.is_set():
+        if apart and not cancel.is_set():
             merging.add(film, target)
 
     def statistics(self, seconds: dict[str, float]) -> dict[str, Any]:

@@ -145,7 +145,6 @@ def run(
     if writer:
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))
-    executor.check(job)
     job.start(progress)
     executor.begin(job)
     clock.lap("compile")
@@ -160,7 +159,7 @@ def run(
         if writer:
             writer.tick(job)
         if progress and job.seconds - reported > REPORT_EVERY:
-            progress(job.progress())
+            progress(job.progress(executor.note))
             reported = job.seconds
 
     try:
@@ -177,7 +176,7 @@ def run(
         if writer:
             writer.finish(job)
         if progress:
-            progress(job.progress())
+            progress(job.progress(executor.note))
     film = job.film
     film.stats = job.statistics(clock.laps) | executor.statistics()
     if writer:

@@ -22,8 +22,10 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,14 +34,27 @@ from alight.cluster import dispatch
 from alight.cluster.dispatch import Patience
 from alight.cluster.keys import CERTIFICATE, KEY, make_keys
 from alight.films import Film
-from alight.rendering import cluster_executor
+from alight.rendering import cluster_executor, light_tasks
 from tests.cluster.cut_network import Namespace, namespace_here
 
 #: Seconds that a client waits for what is lost, in the campaign.
 PATIENCE = Patience(task=3.0, times=4.0, fetch=3.0, cluster=12.0)
 
-SPP = 1500
-RENDER = {"size": (72, 40), "crop": (3, 2, 60, 37), "threads": 1, "aovs": "depth"}
+SIZE = {"size": (72, 40), "crop": (3, 2, 60, 37), "threads": 1}
+
+#: What is rendered, in turn: a scene, changes to it, and options.
+RENDERS: dict[str, tuple[str, list[str], dict]] = {
+    "a box": ("cornell-box", [], {"spp": 2000, "aovs": "depth"}),
+    "paths from both ends": ("cornell-box", ["integrator.type=bidirectional"], {"spp": 500}),
+    "a guide": ("matt-room", ["integrator.guiding=camera"], {"spp": 800}),
+    "chains": ("lamp-and-glass", ["integrator.caustics=manifold"], {"spp": 500}),
+    "a spectrum": (
+        "lamp-and-glass",
+        ["nodes.glass-ball.bsdf={type: dielectric, dispersion: 30}"],
+        {"spp": 1500, "aovs": "albedo_through"},
+    ),
+    "light paths": ("mirror-and-glass", ["integrator.type=light"], {"spp": 800}),
+}
 
 FAULTS = (
     "kill worker", "stop worker", "kill nanny", "stop nanny", "kill scheduler", "stop scheduler",
@@ -144,16 +159,23 @@ def _signal(pid: int, number: int) -> None:
         os.kill(pid, number)
 
 
-def client(address: str, keys: str, path: str) -> None:
+def render(name: str, **where: Any) -> Film:
+    """One of `RENDERS`."""
+    scene, changes, words = RENDERS[name]
+    return alight.render(alight.load(scene, changes), **SIZE, **words, **where)
+
+
+def client(address: str, keys: str, path: str, name: str) -> None:
     """What the process of a client does: begin, or go on."""
     # A render of seconds has many tasks only if they are short.
     cluster_executor.LONGEST, cluster_executor.SHORTEST = 0.2, 0.05
+    light_tasks.LONGEST = 0.2
     dispatch.Patience = lambda: PATIENCE  # type: ignore[assignment,misc]
     where = {"cluster": address, "cluster_keys": keys, "every": 0.0}
     if Path(path).exists():
         alight.resume(path, **where, threads=1)
     else:
-        alight.render("cornell-box", spp=SPP, checkpoint=path, **where, **RENDER)
+        render(name, checkpoint=path, **where)
 
 
 class Campaign:
@@ -164,38 +186,43 @@ class Campaign:
         self.faults = FAULTS + (CUTS if self.network else ())
         self.cluster, self.folder = Damaged(folder, self.network), folder
         self.random = random.Random(seed)
-        self.whole = alight.render("cornell-box", spp=SPP, **RENDER)
+        self.whole: dict[str, Film] = {}
+        self.lengths: dict[str, float] = {}
         self.told: Counter[str] = Counter()
         self.differing: list[str] = []
         self.delays: dict[str, float] = {}
-        self.length = 0.0
 
-    def begin(self) -> None:
-        """Start the cluster, and see how long a render takes."""
-        self.cluster.repair()
-        # The first one warms the workers up.
-        self.length = [self._trial(f"none-{n}", None) for n in range(2)][-1]
+    def length(self, name: str) -> float:
+        """Seconds of a render without a fault."""
+        if name not in self.lengths:
+            self.whole[name] = render(name)
+            self.cluster.repair()
+            # The first one warms the workers up.
+            self.lengths[name] = [self._trial(f"none-{n}", None, name) for n in range(2)][-1]
+        return self.lengths[name]
 
     def trial(self, number: int) -> None:
         """One render, and one fault."""
         fault = self.faults[number % len(self.faults)]
+        # Ten faults and six scenes: sixty trials are all pairs.
+        name = list(RENDERS)[(number + number // 30) % len(RENDERS)]
+        length = self.length(name)
         self.cluster.repair()
-        took = self._trial(f"{number}", fault)
+        took = self._trial(f"{number}", fault, name)
         self.told[fault] += 1
-        delay = took - self.length
-        self.delays[fault] = max(self.delays.get(fault, 0.0), delay)
-        print(f"{number}: {fault}, {took:.1f} s, {len(self.differing)} differ", flush=True)
+        self.delays[fault] = max(self.delays.get(fault, 0.0), took - length)
+        print(f"{number}: {name}, {fault}, {took:.1f} s, {len(self.differing)} differ", flush=True)
 
-    def _trial(self, name: str, fault: str | None) -> float:
-        path, begin = self.folder / f"{name}.alight", time.perf_counter()
-        process = self._client(path)
+    def _trial(self, number: str, fault: str | None, name: str) -> float:
+        path, begin = self.folder / f"{number}.alight", time.perf_counter()
+        process = self._client(path, name)
         stopped: list[int] = []
         if fault is not None:
             while process.poll() is None and not (path.exists() and Film.load(path).spp > 0.0):
                 time.sleep(0.05)
-            left = self.length - (time.perf_counter() - begin)
+            left = self.length(name) - (time.perf_counter() - begin)
             time.sleep(self.random.uniform(0.0, max(left, 0.0)))
-            process, stopped = self._happen(fault, process, path)
+            process, stopped = self._happen(fault, process, lambda: self._client(path, name))
         try:
             process.wait(HANGS)
             took = time.perf_counter() - begin
@@ -206,25 +233,26 @@ class Campaign:
                 self.network.mend()
             process.kill()
         if process.returncode != 0:
-            self.differing.append(f"{name}: {fault}: exit code {process.returncode}")
+            self.differing.append(f"{number}: {name}, {fault}: exit code {process.returncode}")
             return took
         film = Film.load(path)
-        planes = [(film.sums, self.whole.sums), (film.counts, self.whole.counts),
-                  (film.aov_sums["depth"], self.whole.aov_sums["depth"])]  # fmt: skip
+        whole = self.whole[name]
+        planes = [(film.sums, whole.sums), (film.counts, whole.counts)]
+        planes += [(film.aov_sums[layer], plane) for layer, plane in whole.aov_sums.items()]
         if not all(np.array_equal(a, b) for a, b in planes):
-            self.differing.append(f"{name}: {fault}: other bits")
+            self.differing.append(f"{number}: {name}, {fault}: other bits")
         path.unlink()
         return took
 
-    def _client(self, path: Path) -> subprocess.Popen:
-        words = ["--client", self.cluster.address, str(self.cluster.keys), str(path)]
+    def _client(self, path: Path, name: str) -> subprocess.Popen:
+        words = ["--client", self.cluster.address, str(self.cluster.keys), str(path), name]
         return subprocess.Popen(
             [sys.executable, "-m", "tests.cluster.faults", *words],
             stdout=self.cluster.log, stderr=self.cluster.log,
         )  # fmt: skip
 
     def _happen(
-        self, fault: str, process: subprocess.Popen, path: Path
+        self, fault: str, process: subprocess.Popen, again: Callable[[], subprocess.Popen]
     ) -> tuple[subprocess.Popen, list[int]]:
         word, _, whom = fault.partition(" ")
         if word == "cut":
@@ -237,7 +265,7 @@ class Campaign:
         if whom == "client":
             process.kill()
             process.wait()
-            return self._client(path), []
+            return again(), []
         assert self.cluster.scheduler is not None
         pids = {
             "worker": self.cluster.workers(), "worker twice": self.cluster.workers(),
@@ -268,7 +296,6 @@ def run(folder: Path, faults: int | None, seed: int) -> dict:
     campaign = Campaign(folder, seed)
     faults = len(campaign.faults) if faults is None else faults
     try:
-        campaign.begin()
         for number in range(faults):
             campaign.trial(number)
     finally:
@@ -278,7 +305,7 @@ def run(folder: Path, faults: int | None, seed: int) -> dict:
             campaign.network.end()
     return {
         "faults": dict(campaign.told), "differing": campaign.differing,
-        "length_s": round(campaign.length, 1),
+        "length_s": {name: round(length, 1) for name, length in campaign.lengths.items()},
         "delay_s": {name: round(delay, 1) for name, delay in campaign.delays.items()},
     }  # fmt: skip
 
@@ -289,7 +316,7 @@ def main() -> None:
     parser.add_argument("--faults", type=int, default=16)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path)
-    parser.add_argument("--client", nargs=3)
+    parser.add_argument("--client", nargs=4)
     given = parser.parse_args()
     if given.client:
         client(*given.client)

@@ -49,18 +49,18 @@ def held_by(blocks):
 @pytest.mark.parametrize("threads", [1, 7, 400])
 def test_tasks_hold_each_sample_once(speed, threads):
     blocks = blocks_of((3, 2, 60, 37), seed=threads)
-    queue, found = BlockQueue(blocks), []
-    while cut := queue.cut(speed, threads):
-        found += cut
+    queue, found = BlockQueue(blocks, 5), []
+    while task := queue.cut(speed, threads):
+        found += task.blocks
     assert held_by(found) == held_by(blocks)
     assert set(held_by(found).values()) == {1}
 
 
 def test_tasks_last_some_seconds_and_the_last_ones_less():
     blocks = [Block(tile, np.full((4, 4, 2), [0, 1000])) for tile in tiles_of((0, 0, 256, 256), 32)]
-    queue, speed, sizes = BlockQueue(blocks), 1e6, []
-    while cut := queue.cut(speed, 4):
-        sizes.append(sum(1024 * block.ranges[..., 1].mean() for block in cut) / speed)
+    queue, speed, sizes = BlockQueue(blocks, 5), 1e6, []
+    while task := queue.cut(speed, 4):
+        sizes.append(sum(1024 * block.ranges[..., 1].mean() for block in task.blocks) / speed)
     assert 1.0 <= max(sizes) <= 3.0
     assert sizes[-1] < 0.3
     assert np.sum(sizes) == pytest.approx(256 * 256 * 1000 / speed)

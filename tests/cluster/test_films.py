@@ -43,6 +43,7 @@ RENDERS = {
     "passes of 3": ("cornell-box", {**BOX, "spp": 7, "spp_per_pass": 3, "seed": 4}),
     "motion in fog": (BALL, {"spp": 4, "threads": 1}),
     "adaptive": ("cornell-box", {**BOX, "spp": 24, "adaptive": True}),
+    "light paths": ("cornell-box", {**BOX, "spp": 20, "integrator": "light"}),
     "an error": ("cornell-box", {**BOX, "error": 0.3, "adaptive": True, "max_spp": 200}),
 }
 
@@ -207,11 +208,6 @@ REFUSALS = {
 def test_what_is_no_cluster_is_refused(words, message):
     with pytest.raises(OptionError, match=message):
         alight.render("cornell-box", spp=1, **BOX, **words)
-
-
-def test_light_paths_are_refused(client):
-    with pytest.raises(OptionError, match="does not render with the integrator light"):
-        alight.render("cornell-box", spp=1, size=16, integrator="light", cluster=client)
 
 
 def test_keys_let_in_who_holds_them(tmp_path):

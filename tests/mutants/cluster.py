@@ -4,6 +4,8 @@ from tests.mutants.mutant import Mutant
 
 PARTS = "tests/cli/test_parts.py"
 TASKS = "tests/cluster/test_block_tasks.py"
+LIGHT = "tests/cluster/test_light_tasks.py"
+SHARED = "tests/cluster/test_shared_file.py"
 DISPATCH = "tests/cluster/test_dispatch.py"
 STUDIES = "tests/cluster/test_studies.py"
 
@@ -34,7 +36,7 @@ CLUSTER = (
     Mutant(
         "the rest of a cut block forgotten",
         "rendering/cluster_executor.py",
-        (("self.blocks.append(rest)", "pass"),),
+        (("self._blocks.append(rest)", "pass"),),
         f"{TASKS}::test_tasks_hold_each_sample_once",
     ),
     Mutant(
@@ -46,13 +48,13 @@ CLUSTER = (
     Mutant(
         "answers with other samples than asked for let in",
         "rendering/block_tasks.py",
-        (("if (counts != expected).any():", "if False:"),),
+        (("if (_array(arrays, name, expected.shape) != expected).any():", "if False:"),),
         f"{TASKS}::test_a_malformed_answer_is_refused",
     ),
     Mutant(
         "answers of another task let in",
         "rendering/block_tasks.py",
-        (('if content["task"] != task.digest:', "if False:"),),
+        (('if archive.content["task"] != task.digest:', "if False:"),),
         f"{TASKS}::test_a_malformed_answer_is_refused",
     ),
     Mutant(
@@ -129,5 +131,29 @@ CLUSTER = (
             ),
         ),
         "tests/cluster/test_files.py::test_options_of_a_file_do_not_open_a_queue_to_others",
+    ),
+    Mutant(
+        "light paths of the next replicate",
+        "rendering/light_tasks.py",
+        (("first + (self.replicate - first) % self.replicates", "first"),),
+        f"{LIGHT}::test_tasks_and_what_is_left_of_them_hold_each_sample_once",
+    ),
+    Mutant(
+        "a strip taken for the whole window",
+        "rendering/light_tasks.py",
+        (("        if key not in self._pending:", "        if True:"),),
+        f"{LIGHT}::test_tasks_and_what_is_left_of_them_hold_each_sample_once",
+    ),
+    Mutant(
+        "sums of strips that are not joined",
+        "rendering/light_tasks.py",
+        (("    add_sums(a.sums, b.sums)\n", ""),),
+        f"{LIGHT}::test_answers_add_up_to_the_film_of_a_render",
+    ),
+    Mutant(
+        "a shared file of other bytes",
+        "cluster/shared_file.py",
+        (("if not ours or hashlib", "if False and hashlib"),),
+        f"{SHARED}::test_a_file_of_other_bytes_is_not_used",
     ),
 )

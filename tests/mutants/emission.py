@@ -130,7 +130,7 @@ EMISSION = (
     Mutant(
         "a cancelled pass of light paths stays in the film",
         "rendering/job.py",
-        (("if self.splats and not cancel.is_set():", "if self.splats:"),),
+        (("if apart and not cancel.is_set():", "if apart:"),),
         "tests/rendering/test_light_tracing.py::test_a_pass_that_is_cut_short_leaves_nothing",
     ),
 )
