@@ -46,8 +46,8 @@ _PUBLIC = {
     "why": "alight.lab.why",
     "RenderOptions": "alight.options.render",
     "Progress": "alight.rendering",
-    "Trace": "alight.rendering.traced_path",
-    "trace": "alight.rendering.trace",
+    "Trace": "alight.rendering.tracing.traced_path",
+    "trace": "alight.rendering.tracing.trace",
     "view": "alight.view",
     "register": "alight.core.registration",
     "AlightError": "alight.core.errors",
@@ -82,8 +82,8 @@ if TYPE_CHECKING:
     from alight.rendering import Progress, merge, render, resume
     from alight.rendering.animation import animate
     from alight.rendering.plan import plan
-    from alight.rendering.trace import trace
-    from alight.rendering.traced_path import Trace
+    from alight.rendering.tracing.trace import trace
+    from alight.rendering.tracing.traced_path import Trace
     from alight.scene import Scene, SceneManager
 
     view: Any

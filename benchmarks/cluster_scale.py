@@ -28,9 +28,9 @@ import numpy as np
 import alight
 from alight.cluster.dispatch import Dispatcher, Patience
 from alight.films import Film
-from alight.rendering.block_tasks import BlockTask, Layout, read_blocks, render_blocks
-from alight.rendering.executors import Block
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.executors.block_tasks import BlockTask, Layout, read_blocks, render_blocks
+from alight.rendering.executors.executor import Block
+from alight.rendering.tiles.tile_kernel import Tile
 
 TILE = BlockTask(0, (Block(Tile(0, 0, 32, 32), np.tile(np.array([0, 64]), (4, 4, 1))),))
 LAYOUT = Layout(4, 3, {})
@@ -82,8 +82,8 @@ def the_answer() -> bytes:
     """One tile of the Cornell box, rendered."""
     from alight.compiled.scene import compile_scene
     from alight.integrators.walk import make_settings
-    from alight.rendering.block_tasks import SharedScene
-    from alight.rendering.tile import make_kernels
+    from alight.rendering.executors.block_tasks import SharedScene
+    from alight.rendering.tiles.tile import make_kernels
     from alight.scene import flatten
 
     scene = compile_scene(flatten(alight.load("cornell-box", ["film.size=[64, 64]"])))

@@ -10,8 +10,8 @@ from alight.compiled.scene import CompiledScene, compile_scene
 from alight.films import fixed_point
 from alight.films.tiles import PartialFilm
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile, count_cells
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile, count_cells
 from alight.scene import Scene, flatten
 
 

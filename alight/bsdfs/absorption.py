@@ -4,7 +4,8 @@ r"""Absorption inside a clear body: Beer and Lambert's law.
 
 Light keeps the colour c after the distance d inside. A segment of a path is dimmed by the body that
 it lies in, wherever it begins and ends: at the body's own boundary, at another's, at an opaque
-thing or a lamp inside, or at the camera. Which body that is: `alight.integrators.enclosing`.
+thing or a lamp inside, or at the camera. Which body that is:
+`alight.integrators.interiors.enclosing`.
 
 The body below a mask is that of its material, whatever the opacity: holes are holes in its surface.
 The body below a blend absorbs as the mean of those of its parts that have one, each with its share;

@@ -12,8 +12,8 @@ r"""Subsurface scattering: skin, wax, marble, milk; light enters, is scattered i
 These formulas describe the surface only. A coat of GGX facets reflects the part E of the light from
 a direction; the rest, T = 1 - E, enters the body with the distribution of a matte surface, and
 leaves it in the same way. With index 1 there is no coat. In between, paths take a random walk
-through the body (`alight.integrators.body_walk`), which scatters light equally in all directions,
-with the mean free path `radius`.
+through the body (`alight.integrators.interiors.body_walk`), which scatters light equally in all
+directions, with the mean free path `radius`.
 
 The albedo alpha of one scattering is chosen so that a flat, deep body has the colour A that is
 asked for, by van de Hulst's approximation

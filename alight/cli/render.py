@@ -17,7 +17,7 @@ def render(
     from alight.cli.finishing import run_and_finish
     from alight.cli.frames import render_frames
     from alight.rendering.render import prepare
-    from alight.rendering.schedules import time_limit_of
+    from alight.rendering.schedules.selection import time_limit_of
 
     if options.has_frames:
         render_frames(scene, options, spelling_of(render), quiet=quiet)

@@ -23,7 +23,7 @@ def resume(
 ) -> None:
     """Resume a stopped or killed render, or add samples to it."""
     from alight.cli.finishing import run_and_finish
-    from alight.rendering.resume import prepare_resume
+    from alight.rendering.checkpoints.resume import prepare_resume
 
     prepared = prepare_resume(file, options)
     targets = prepared.targets

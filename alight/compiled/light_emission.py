@@ -26,7 +26,7 @@ def emitting(
     shapes: CompiledShapes,
     emits: Emits,
 ) -> LightTables | EmittingLights:
-    """Tables of lights with what `alight.lights.emission_sampling` needs besides.
+    """Tables of lights with what `alight.lights.emission.sampling` needs besides.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.compiled.shapes import CompiledShapes
-from alight.lights.tree_split import Leaves
+from alight.lights.tree.split import Leaves
 
 #: Points on surfaces, half of them by area and half by piece: what is small has more to see.
 POINTS = 128

@@ -15,9 +15,9 @@ from alight.core.distributions import cumulative
 from alight.core.spec import Light, Triple
 from alight.core.vec import luminance
 from alight.lights.bright_disk import Disk
-from alight.lights.tree import LEAVES, OUTER_CDF
-from alight.lights.tree_build import build_tree
-from alight.lights.tree_split import Leaves
+from alight.lights.tree.build import build_tree
+from alight.lights.tree.split import Leaves
+from alight.lights.tree.traversal import LEAVES, OUTER_CDF
 from alight.scene.motion import Motion
 from alight.shapes.hit import FLIP
 from alight.shapes.hit import INFO as SHAPE_INFO

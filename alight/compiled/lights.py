@@ -25,7 +25,7 @@ from alight.core.spec import Light, Texture
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
 from alight.lights.tables import INFO, STRIDE, TEXTURED, EmittingLights, LightTables
-from alight.lights.tree_split import Leaves
+from alight.lights.tree.split import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.model import SHAPES
@@ -102,7 +102,7 @@ def compile_lights(
         environment leaves out.
     emits : {"never", "if possible", "always"}, default "never"
         Whether light paths start at the lights, which takes the tables of
-        `alight.lights.emission_sampling`.
+        `alight.lights.emission.sampling`.
     aims : bool, default False
         Whether paths aim at lamps, which takes the tables of `alight.lights.targets`.
     kept : Kept, optional

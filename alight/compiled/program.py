@@ -25,7 +25,7 @@ class Program(NamedTuple):
     environments : tuple of str
         Where there are several, the models of the environments in the order of their rows.
     light_tree : bool
-        Lights are chosen by a tree, see `alight.lights.tree`.
+        Lights are chosen by a tree, see `alight.lights.tree.traversal`.
     accel : tuple of str
         Parts of the acceleration structure, see `alight.accel`.
     camera, filter, integrator : str

@@ -75,7 +75,7 @@ class CompiledScene:
     small_view : SmallView or None
         Of integrators that want a guide: where its training starts.
     guide : Guide or None
-        What its program asks for, see `alight.rendering.training`.
+        What its program asks for, see `alight.rendering.training.trained`.
     surfaces : Surfaces or None
         Of scenes whose layers name what is seen.
     ground : Ground or None
@@ -123,7 +123,7 @@ def compile_scene(
     threads : int
         For building the BVH.
     emits : bool
-        Make the tables of `alight.lights.emission_sampling`, which integrators that splat have
+        Make the tables of `alight.lights.emission.sampling`, which integrators that splat have
         anyway, and those with a guide where it is possible.
     kept : Kept, optional
         Of the compilation before: the tree is taken from there if all shapes are in their places.

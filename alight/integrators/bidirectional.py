@@ -10,9 +10,9 @@ found by technique (s, t):
 * else the two vertices are joined by a shadow ray.
 
 Light that the camera sees directly is found by s = 0 alone. All techniques that find the same path
-share it by weights (`alight.integrators.connection_weights`), in which there is one light path for
-each pixel of the picture, whatever numbers have been traced: so films are resumed and merged as any
-others. Each technique is divided by its own number of paths.
+share it by weights (`alight.integrators.both_ends.connection_weights`), in which there is one light
+path for each pixel of the picture, whatever numbers have been traced: so films are resumed and
+merged as any others. Each technique is divided by its own number of paths.
 
 Only paths of at most `LONGEST` edges are joined. Longer ones are found by s = 0 and s = 1 alone,
 with the weights of a path tracer: whatever its length, the weights of a path sum to one.
@@ -27,8 +27,12 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Literal
 
 from alight.core.noise_only import NoiseOnly
-from alight.integrators.camera_subpath import begin_camera, write_extend_camera, write_join
-from alight.integrators.light_subpath import write_begin_light, write_extend_light
+from alight.integrators.both_ends.camera_subpath import (
+    begin_camera,
+    write_extend_camera,
+    write_join,
+)
+from alight.integrators.both_ends.light_subpath import write_begin_light, write_extend_light
 from alight.integrators.model import BothEnds
 from alight.integrators.options import PathLengths
 

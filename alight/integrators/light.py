@@ -1,7 +1,7 @@
 r"""Light tracing: paths start at the lights, and each of their vertices is seen by the camera.
 
-Where a path of flux :math:`\beta` meets a surface (`alight.integrators.light_walk`), from the
-direction :math:`\omega_l`, it adds to the pixel that sees the point from :math:`\omega_c`
+Where a path of flux :math:`\beta` meets a surface (`alight.integrators.both_ends.light_walk`), from
+the direction :math:`\omega_l`, it adds to the pixel that sees the point from :math:`\omega_c`
 
 .. math::
     \beta\, f(\omega_c, \omega_l)\, |\omega_l \cdot n_s|\,
@@ -25,19 +25,19 @@ from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.cameras.rays import connect_camera, connect_far_camera, sees_far
 from alight.core.constants import INFINITY
 from alight.core.vec import dot
-from alight.integrators.dispersed import meet_dispersion
-from alight.integrators.enclosing import bodies_beyond
-from alight.integrators.light_walk import set_out, write_arrive, write_leave
+from alight.integrators.both_ends.light_walk import set_out, write_arrive, write_leave
+from alight.integrators.both_ends.splats import Splat, lens_numbers, write_show
+from alight.integrators.interiors.dispersed import meet_dispersion
+from alight.integrators.interiors.enclosing import bodies_beyond
 from alight.integrators.options import PathLengths
-from alight.integrators.splats import Splat, lens_numbers, write_show
 from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
     to_local,
     vertex_dimension,
 )
-from alight.lights.emission_sampling import emission_towards, is_around
-from alight.lights.environment_emission import arriving_pdf
+from alight.lights.emission.from_environments import arriving_pdf
+from alight.lights.emission.sampling import emission_towards, is_around
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environment_radiance, environments_of
 from alight.samplers.sampling import get_1d, get_2d

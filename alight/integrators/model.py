@@ -14,7 +14,7 @@ PASSES = ("contributions", "strategies")
 
 
 class BothEnds(NamedTuple):
-    """Kernels of paths from both ends; see `alight.rendering.both_ends_tile`.
+    """Kernels of paths from both ends; see `alight.rendering.tiles.both_ends_tile`.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class IntegratorModel(Record):
     stages : (program) -> (kernel, kernel)
         The two halves of a step, between which paths may wait: ``trace(scene, settings, path) ->
         (path, hit)`` and ``shade(scene, settings, path, hit) -> (path, walk)``, where `walk` is
-        what `alight.integrators.body_walk.begin_walks` gives.
+        what `alight.integrators.interiors.body_walk.begin_walks` gives.
     empty_paths, start_paths : kernel
         Of integrators that keep more than a `PathState`; see `alight.integrators.walk`.
     begin : (program) -> kernel

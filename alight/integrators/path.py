@@ -58,10 +58,9 @@ from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.spec import invalid
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
-from alight.integrators.chain_types import follows_chains
-from alight.integrators.dispersed import at_wavelength_of, meet_dispersion
-from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed, left_along
+from alight.integrators.caustics.chain_types import follows_chains
+from alight.integrators.caustics.manifold_sampling import write_add_caustics
+from alight.integrators.caustics.specular_chain import extended
 from alight.integrators.guided import (
     NOWHERE,
     guide_at,
@@ -69,8 +68,16 @@ from alight.integrators.guided import (
     mixed_density,
     write_surface_scatter,
 )
+from alight.integrators.interiors.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.interiors.dispersed import at_wavelength_of, meet_dispersion
+from alight.integrators.interiors.enclosing import (
+    begin_inside,
+    bodies_beyond,
+    come_to,
+    dimmed,
+    left_along,
+)
 from alight.integrators.largest_sample import largest_of_paths
-from alight.integrators.manifold_sampling import write_add_caustics
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import (
@@ -82,7 +89,6 @@ from alight.integrators.reach import (
 )
 from alight.integrators.roulette import write_end_dim_paths
 from alight.integrators.shadow_rays import come_through_holes
-from alight.integrators.specular_chain import extended
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -120,7 +126,8 @@ class Path(PathTracing):
         How "mis" weights the two techniques that find light.
     caustics : {"paths", "manifold"}, default "paths"
         How lamps and the sun are found behind mirrors and clear glass: by paths that happen to hit
-        them, or also by manifold sampling (`alight.integrators.manifold_sampling`), for small ones.
+        them, or also by manifold sampling (`alight.integrators.caustics.manifold_sampling`), for
+        small ones.
     """
 
     walks_inside: ClassVar[bool] = True
@@ -195,7 +202,7 @@ def stages(program, *, scatter=sample_bsdf, strategy=None, roulette=None, record
         their paths.
     shade : kernel (scene, settings, path, hit) -> (path, walk)
         Adds the light found at the surface, and samples where the path continues; `walk` says which
-        have entered bodies (`alight.integrators.body_walk`).
+        have entered bodies (`alight.integrators.interiors.body_walk`).
     """
     strategy = strategy or program.option("light_sampling")
     if roulette is None:

@@ -7,7 +7,7 @@ walk through a body.
 from __future__ import annotations
 
 from alight.core.vec import Vec3
-from alight.integrators.body_walk import no_walks
+from alight.integrators.interiors.body_walk import no_walks
 from alight.integrators.walk import count_lanes, empty_paths
 from lanewise.jit import kernel, specialised
 from lanewise.records import local_records, put_records, records_at, replace

@@ -28,7 +28,7 @@ from alight.core.constants import INFINITY, gamma
 from alight.core.vec import Vec3
 from alight.integrators.aov import add_layer
 from alight.integrators.coverage import write_cover
-from alight.integrators.enclosing import empty_space
+from alight.integrators.interiors.enclosing import empty_space
 from alight.integrators.moments import at_times_of
 from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (

@@ -15,8 +15,8 @@ from alight.bsdfs.dispatch import open_share
 from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
 from alight.core.vec import dot, max_component
-from alight.integrators.enclosing import all_left, cross_straight, left_along
-from alight.integrators.volume_walk import medium_beyond
+from alight.integrators.interiors.enclosing import all_left, cross_straight, left_along
+from alight.integrators.interiors.volume_walk import medium_beyond
 from alight.integrators.walk import count_lanes
 from alight.media.sampling import cross
 from alight.media.tables import Crossing, Segment, Stream, segment_of
@@ -33,8 +33,8 @@ def come_through(program):
 
     ``(scene, segment, bodies, most, lit, rays) -> (Crossing, left, passed, rays)``. The segment's
     medium and the `Bodies` are what the rays start in; `left` is what those leave of the light, a
-    Vec3 or (), see `alight.integrators.enclosing`; `passed` counts the surfaces that the rays went
-    through. Nothing comes through more than `most` of them.
+    Vec3 or (), see `alight.integrators.interiors.enclosing`; `passed` counts the surfaces that the
+    rays went through. Nothing comes through more than `most` of them.
     """
     if has_null(program):
         return _through_borders

@@ -7,8 +7,9 @@ r"""Volumetric path tracing: surfaces as `path`, and media between them that abs
 Distances are chosen by the media, directions in them by their phase functions. Lights are sampled
 at surfaces and in media alike; shadow rays go through surfaces that are not there (`null`) and are
 dimmed by the media on their way. Directions and light sampling are combined by the balance
-heuristic, together with the three channels (`alight.integrators.volume_walk`). A guide mixes its
-directions with those of phase functions as with those of BSDFs (`alight.integrators.guided`).
+heuristic, together with the three channels (`alight.integrators.interiors.volume_walk`). A guide
+mixes its directions with those of phase functions as with those of BSDFs
+(`alight.integrators.guided`).
 
 Source: PBR4 section 14.2.3 (VolPathIntegrator); Miller, Georgiev and Jarosz, SIGGRAPH 2019.
 """
@@ -23,17 +24,6 @@ from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import concentration, has_null, is_null, refracts
 from alight.core.constants import INFINITY
 from alight.core.vec import absolute_vec3, max_component
-from alight.integrators.body_walk import begin_walks, enters_body, lit_side, walk_through
-from alight.integrators.collisions import (
-    Turn,
-    evaluate_anywhere,
-    pass_media,
-    phase_towards_light,
-    sample_anywhere,
-    turn_in_medium,
-)
-from alight.integrators.dispersed import at_wavelength_of, meet_dispersion
-from alight.integrators.enclosing import begin_inside, bodies_beyond, come_to, dimmed
 from alight.integrators.guided import (
     NOWHERE,
     Vertex,
@@ -42,18 +32,29 @@ from alight.integrators.guided import (
     mixed_density,
     write_guided_scatter,
 )
+from alight.integrators.interiors.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.interiors.collisions import (
+    Turn,
+    evaluate_anywhere,
+    pass_media,
+    phase_towards_light,
+    sample_anywhere,
+    turn_in_medium,
+)
+from alight.integrators.interiors.dispersed import at_wavelength_of, meet_dispersion
+from alight.integrators.interiors.enclosing import begin_inside, bodies_beyond, come_to, dimmed
+from alight.integrators.interiors.volume_walk import empty_paths as empty_paths
+from alight.integrators.interiors.volume_walk import (
+    mean,
+    medium_beyond,
+)
+from alight.integrators.interiors.volume_walk import start_paths as start_paths
 from alight.integrators.mis_weights import BY_BSDF, BY_LIGHT, MIS, STRATEGIES
 from alight.integrators.options import PathTracing
 from alight.integrators.path import NO_LISTENERS
 from alight.integrators.reach import write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_beside_guide, play_roulette
 from alight.integrators.shadow_rays import come_through
-from alight.integrators.volume_walk import empty_paths as empty_paths
-from alight.integrators.volume_walk import (
-    mean,
-    medium_beyond,
-)
-from alight.integrators.volume_walk import start_paths as start_paths
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,

@@ -17,8 +17,8 @@ from alight.core.vec import Vec3, dot, luminance, normalize
 from alight.core.wavelengths import DISPERSIVE
 from alight.guiding.gain import add_unguided, begin_unguided
 from alight.guiding.tables import GUIDED, Guide, no_log
-from alight.integrators.chain_types import follows_chains, no_chain
-from alight.integrators.enclosing import no_bodies
+from alight.integrators.caustics.chain_types import follows_chains, no_chain
+from alight.integrators.interiors.enclosing import no_bodies
 from alight.integrators.model import model_of
 from alight.integrators.moments import at_times_of
 from alight.samplers.state import SamplerState
@@ -45,12 +45,13 @@ from lanewise.simd import (
 #: depth : u32, edges traced so far;  sampler : SamplerState;  active : mask;
 #: rays : uniform whole number, rays traced by all lanes so far;
 #: unguided : `alight.guiding.gain.Unguided` where there is a guide, else empty;
-#: bodies : `alight.integrators.enclosing.Bodies` where bodies absorb light, else empty;
+#: bodies : `alight.integrators.interiors.enclosing.Bodies` where bodies absorb light, else empty;
 #: monochromatic : mask, `beta` is that of one wavelength, where materials disperse light, else ();
-#: chain : `alight.integrators.chain_types.Chain` where caustics are looked for, else empty.
+#: chain : `alight.integrators.caustics.chain_types.Chain` where caustics are looked for, else
+#: empty.
 #:
 #: Paths from lights keep other things in two of them: pdf, the brightness that they began with;
-#: delta, see `alight.integrators.light_subpath`.
+#: delta, see `alight.integrators.both_ends.light_subpath`.
 PathState = namedtuple(
     "PathState",
     "o d p L L_direct beta pdf delta depth sampler active rays unguided bodies monochromatic chain",

@@ -27,7 +27,7 @@ from alight.lab.study import (
     Study,
     StudyError,
 )
-from alight.rendering.tile import Kernels
+from alight.rendering.tiles.tile import Kernels
 from alight.scene import Scene, content_hash, flatten
 from lanewise.machine import fingerprint
 

@@ -20,10 +20,10 @@ import numpy as np
 from alight.compiled.scene import CompiledScene
 from alight.films import CELL_SIZE, Film
 from alight.integrators.walk import Settings, make_settings
-from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
-from alight.rendering.tiles import tiles_of
-from alight.rendering.training import is_to_be_guided, length_of, trained, untrained
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.tile import Kernels, Scratch, make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
+from alight.rendering.training.trained import is_to_be_guided, length_of, trained, untrained
 
 
 class Rung(NamedTuple):

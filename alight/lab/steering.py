@@ -24,13 +24,13 @@ from alight.core.errors import show_value, unknown_name
 from alight.films import Film
 from alight.integrators.walk import Settings, make_settings
 from alight.lab.measure import Rung, add_tiles, film_for, made_ready
-from alight.rendering.cycles import THRESHOLD, Cycles
-from alight.rendering.passes import Work, ranges_of
-from alight.rendering.schedule import Schedule, Verdict
+from alight.rendering.schedules.cycles import THRESHOLD, Cycles
+from alight.rendering.schedules.passes import Work, ranges_of
+from alight.rendering.schedules.schedule import Schedule, Verdict
+from alight.rendering.schedules.steering import Steered
 from alight.rendering.seeds import seed_of_round
-from alight.rendering.steering import Steered
-from alight.rendering.tile import Kernels
-from alight.rendering.tiles import tiles_of
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.tile import Kernels
 
 #: What `schedule` may be; "uniform" is the same number of samples everywhere.
 SCHEDULES = ("uniform", "adaptive", "cycles")

@@ -31,7 +31,7 @@ from alight.laws.statistics import (
     length_error,
     z_of_mean,
 )
-from alight.lights.emission_sampling import emission_direction_pdf, sample_emission
+from alight.lights.emission.sampling import emission_direction_pdf, sample_emission
 from alight.lights.model import LIGHTS
 from alight.lights.sampling import sample_light
 from alight.lights.tables import MIDDLE, RADIUS

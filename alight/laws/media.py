@@ -22,7 +22,7 @@ from alight.media.coefficients import Coefficients, extinction
 from alight.media.model import MEDIA
 from alight.media.sampling import cross, fly
 from alight.media.tables import Segment, Stream
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import Node, Scene, flatten
 from alight.scene.transform import scale, translate
 from lanewise.jit import instantiate

@@ -28,8 +28,8 @@ from alight.laws.distances import distances_are_in_lengths_of_the_direction
 from alight.laws.framing import an_automatic_camera_sees_all_of_it
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z, ROUNDING, UNIT, unit_vectors, z_of_mean
-from alight.lights.emission import coordinates
-from alight.lights.shape_emission import sample_area
+from alight.lights.area_radiance import coordinates
+from alight.lights.emission.from_shapes import sample_area
 from alight.lights.shining import sample_shape, shape_pdf
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit, ShapeHit, spawn_origin

@@ -16,7 +16,7 @@ import numpy as np
 
 from alight.core.constants import PI
 from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
-from alight.lights.emission import emitted_color, sampled_color
+from alight.lights.area_radiance import emitted_color, sampled_color
 from alight.lights.shining import sample_shape, shape_pdf
 from alight.lights.tables import INFO, LightSample
 from lanewise.jit import kernel

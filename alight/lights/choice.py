@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from alight.core.distributions import sample_discrete
 from alight.lights.tables import INFO, STRIDE
-from alight.lights.tree import Choice, choose_by_tree, plain_probability
+from alight.lights.tree.traversal import Choice, choose_by_tree, plain_probability
 from lanewise.jit import kernel, specialised
 from lanewise.simd import as_int, as_uint, gather, horizontal_max, lanes, to_float, where
 

@@ -9,8 +9,8 @@ from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_mask, lanes_u32, lanes_vec3
 
 #: info, data: a row a light; cdf: the choice of the light (a distribution, or a tree: see
-#: `alight.lights.tree`), then one table a mesh light, the tables of lamps that have one, and that
-#: of the environments' maps (see `alight.core.distributions`); map: the environments', see
+#: `alight.lights.tree.traversal`), then one table a mesh light, the tables of lamps that have one,
+#: and that of the environments' maps (see `alight.core.distributions`); map: the environments', see
 #: `alight.lights.environment_map`; targets: see `alight.lights.targets`, empty where nobody aims.
 #: Environments are the last lights.
 LightTables = namedtuple("LightTables", "info data cdf map targets")

@@ -30,7 +30,7 @@ from alight.options.render import RenderOptions
 from alight.outputs import exr, moving, png
 from alight.outputs.image import check_writable, read_image, write_image
 from alight.rendering import main_loop
-from alight.rendering.cluster_executor import joined
+from alight.rendering.executors.cluster_executor import joined
 from alight.rendering.render import prepare
 from alight.scene import Node, Scene, SceneManager, content_hash, flatten
 from alight.scene.flatten import FlatScene, place_camera

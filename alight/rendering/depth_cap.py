@@ -28,8 +28,8 @@ from alight.films.fixed_point import to_float
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
 from alight.integrators.walk import UNLIMITED
-from alight.rendering.tile import Scratch, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import Scratch, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 
 if TYPE_CHECKING:
     from alight.core.spec import Integrator

@@ -17,16 +17,16 @@ from alight.core.version import VERSION
 from alight.films import Film, PartialFilm, merging
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
-from alight.rendering.executors import Block, Executor
+from alight.rendering.executors.executor import Block, Executor
 from alight.rendering.layers import AOVS
-from alight.rendering.light_paths import UNSEEN, check_light_paths, parts_of
-from alight.rendering.passes import Work, ranges_of
 from alight.rendering.resources import peak_memory_mb
-from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.schedules.passes import Work, ranges_of
+from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.seeds import PILOT, seed_of_round
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tiles import tiles_of
-from alight.rendering.training import Training
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.light_paths import UNSEEN, check_light_paths, parts_of
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.training.trained import Training
 from lanewise.application import variable
 from lanewise.kept_files import lost
 from lanewise.machine import PORTABLE, cache_folder, fingerprint, target
@@ -110,7 +110,8 @@ class Job:
     Raises
     ------
     OptionError
-        If paths start at lights, and cannot make this picture (`alight.rendering.light_paths`).
+        If paths start at lights, and cannot make this picture
+        (`alight.rendering.tiles.light_paths`).
 
     Attributes
     ----------

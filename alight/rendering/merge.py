@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from alight.core.errors import FilmError
 from alight.films import Film, merging
-from alight.rendering.checkpoint import Stored, read_stored
-from alight.rendering.resume import listed
-from alight.rendering.schedule import Schedule
+from alight.rendering.checkpoints.checkpoint import Stored, read_stored
+from alight.rendering.checkpoints.resume import listed
+from alight.rendering.schedules.schedule import Schedule
 from alight.scene.content import differences
 
 

@@ -26,9 +26,9 @@ from alight.options.render import RenderOptions
 from alight.outputs import html
 from alight.rendering.main_loop import render_film
 from alight.rendering.resources import usable_processors
-from alight.rendering.schedule import Goal, Schedule, Verdict
-from alight.rendering.schedules import promise_of
-from alight.rendering.stopping import GROWTH, Promise, first_look, judge, next_look
+from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
+from alight.rendering.schedules.selection import promise_of
+from alight.rendering.schedules.stopping import GROWTH, Promise, first_look, judge, next_look
 from alight.scene import Scene
 
 #: Samples per pixel of the pilot, in whole rounds of replicates.

@@ -72,7 +72,7 @@ def error_line(error: ErrorEstimate) -> str:
 
 def _at_most(error: float) -> str:
     """Write an upper end: beyond 1000 % it is none."""
-    from alight.rendering.stopping import LARGEST_TOLD
+    from alight.rendering.schedules.stopping import LARGEST_TOLD
 
     return f"{error:.2%}" if error <= LARGEST_TOLD else "more than 1000 %"
 
@@ -105,7 +105,7 @@ def statistics_of(
     further: Sequence[Bias] = (),
 ) -> dict[str, Any]:
     """Gather what ``--stats`` writes."""
-    from alight.rendering.unseen import unseen_of
+    from alight.rendering.schedules.unseen import unseen_of
 
     literature = _estimate(error.relmse_literature)
     unseen = unseen_of(film)

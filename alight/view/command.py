@@ -10,7 +10,7 @@ from alight.options.loading import scene_of
 from alight.options.render import RenderOptions
 from alight.options.view import ViewOptions
 from alight.outputs.display import Display
-from alight.rendering.schedules import planned_spp
+from alight.rendering.schedules.selection import planned_spp
 from alight.rendering.writing import command
 from alight.scene import Scene, content_hash
 from alight.scene.dump import dump_scene

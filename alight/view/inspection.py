@@ -12,8 +12,8 @@ from alight.cameras.basis import project_points
 from alight.cameras.model import CAMERAS
 from alight.lab.why import shares_of
 from alight.lab.why.words import ranked, share_tables
-from alight.rendering.trace import trace
-from alight.rendering.traced_path import Vertex
+from alight.rendering.tracing.trace import trace
+from alight.rendering.tracing.traced_path import Vertex
 from alight.view.live import LiveScene
 from alight.view.pose import Pose
 

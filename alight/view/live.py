@@ -23,10 +23,10 @@ from alight.core.errors import AlightError
 from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.outputs.picture import as_picture
-from alight.rendering.executors import Threads
+from alight.rendering.executors.executor import Threads
 from alight.rendering.job import Job
 from alight.rendering.main_loop import REPORT_EVERY, render_passes
-from alight.rendering.passes import Pace
+from alight.rendering.schedules.passes import Pace
 from alight.scene import Scene
 from alight.view.layers import PICTURE, FileLayers, FilmLayers, Layers
 from alight.view.movable import COARSER, Movable

@@ -18,11 +18,11 @@ from alight.rendering.job import Job
 from alight.rendering.layers import layers_of
 from alight.rendering.main_loop import Clock, job_of
 from alight.rendering.resources import usable_processors
-from alight.rendering.schedule import Uniform
-from alight.rendering.schedules import planned_spp, schedule_of, time_limit_of
-from alight.rendering.tile import make_kernels
-from alight.rendering.tile_kernel import Tile
-from alight.rendering.training import is_to_be_guided, untrained
+from alight.rendering.schedules.schedule import Uniform
+from alight.rendering.schedules.selection import planned_spp, schedule_of, time_limit_of
+from alight.rendering.tiles.tile import make_kernels
+from alight.rendering.tiles.tile_kernel import Tile
+from alight.rendering.training.trained import is_to_be_guided, untrained
 from alight.scene import FlatScene, Scene
 from alight.scene.flatten import PlacedCamera
 from alight.view.pose import Pose

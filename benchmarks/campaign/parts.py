@@ -15,8 +15,8 @@ from alight.films import fixed_point
 from alight.formats import dumps, loads
 from alight.integrators.walk import make_settings
 from alight.laws.scene import check_scene
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import FlatScene, Scene, flatten
 from alight.scene.validation import find_problems
 

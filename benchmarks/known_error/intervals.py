@@ -14,7 +14,7 @@ from scenes import ORDINARY, REPLICATES, Runner
 from truth import Truth
 
 from alight.metrics.own_error import estimate_relmse
-from alight.rendering.stopping import Promise, first_look, judge_means, next_look, word_of
+from alight.rendering.schedules.stopping import Promise, first_look, judge_means, next_look, word_of
 
 #: Samples per pixel at which intervals are compared with the truth: three of the looks.
 CHECKED = (36, 48, 76)

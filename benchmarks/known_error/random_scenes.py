@@ -32,9 +32,9 @@ from alight.core.errors import AlightError
 from alight.lab.random_scenes import KINDS, random_scene
 from alight.metrics.own_error import estimate_relmse
 from alight.metrics.pixel_bars import pixel_bars
-from alight.rendering.adaptive import PILOT_SPP, counts_at
 from alight.rendering.job import seed_of_round
-from alight.rendering.stopping import Promise, first_look, judge_means, next_look, word_of
+from alight.rendering.schedules.adaptive import PILOT_SPP, counts_at
+from alight.rendering.schedules.stopping import Promise, first_look, judge_means, next_look, word_of
 
 #: Samples per pixel at which intervals are compared with the truth.
 CHECKED = (4, 16, 64, 256)

@@ -12,8 +12,8 @@ from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import to_float
 from alight.formats import load
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import Scratch, make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import Scratch, make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import Scene, content_hash, flatten
 
 SIDE, REPLICATES = 64, 4

@@ -14,13 +14,13 @@ from truth import Truth
 from alight.films import Film
 from alight.films.sample_ranges import empty_cells
 from alight.rendering import render
-from alight.rendering.adaptive import PILOT_SPP, counts_at, shares_of
-from alight.rendering.cycles import STEP, cycles_error, first_decision, in_noise
 from alight.rendering.job import seed_of_round
 from alight.rendering.plan import make_plan
-from alight.rendering.schedule import Goal, Verdict
-from alight.rendering.steering import Steered
-from alight.rendering.stopping import Promise
+from alight.rendering.schedules.adaptive import PILOT_SPP, counts_at, shares_of
+from alight.rendering.schedules.cycles import STEP, cycles_error, first_decision, in_noise
+from alight.rendering.schedules.schedule import Goal, Verdict
+from alight.rendering.schedules.steering import Steered
+from alight.rendering.schedules.stopping import Promise
 
 #: Mean of the rare-spike scene: the floor shines 1, and sees 99 in a thousandth of its sky.
 RARE_SPIKE_MEAN = 1.0 + 0.001 * 99.0

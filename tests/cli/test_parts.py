@@ -8,8 +8,8 @@ from typer.testing import CliRunner
 from alight.cli.main import app
 from alight.core.errors import OptionError
 from alight.films import Film
-from alight.rendering.schedule import Uniform
-from alight.rendering.schedules import part_of
+from alight.rendering.schedules.schedule import Uniform
+from alight.rendering.schedules.selection import part_of
 from tests.rendering.interrupted import assert_same
 
 SMALL = ["cornell-box", "--size", "24x16", "--threads", "1", "-q"]

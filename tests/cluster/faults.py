@@ -34,7 +34,7 @@ from alight.cluster import dispatch
 from alight.cluster.dispatch import Patience
 from alight.cluster.keys import CERTIFICATE, KEY, make_keys
 from alight.films import Film
-from alight.rendering import cluster_executor, light_tasks
+from alight.rendering.executors import cluster_executor, light_tasks
 from tests.cluster.cut_network import Namespace, namespace_here
 
 #: Seconds that a client waits for what is lost, in the campaign.

@@ -10,13 +10,19 @@ from alight.compiled.scene import compile_scene
 from alight.core.errors import FilmError
 from alight.films.archive import pack_archive, unpack_archive
 from alight.integrators.walk import make_settings
-from alight.rendering import block_tasks
-from alight.rendering.block_tasks import BlockTask, Layout, SharedScene, read_blocks, render_blocks
-from alight.rendering.cluster_executor import BlockQueue
-from alight.rendering.executors import Block
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
-from alight.rendering.tiles import tiles_of
+from alight.rendering.executors import block_tasks
+from alight.rendering.executors.block_tasks import (
+    BlockTask,
+    Layout,
+    SharedScene,
+    read_blocks,
+    render_blocks,
+)
+from alight.rendering.executors.cluster_executor import BlockQueue
+from alight.rendering.executors.executor import Block
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 
 LAYOUT = Layout(3, 3, {"depth": ("Z",)})

@@ -12,7 +12,7 @@ from alight.cluster.addresses import connected
 from alight.cluster.dispatch import Patience
 from alight.core.errors import OptionError
 from alight.films import Film
-from alight.rendering import cluster_executor
+from alight.rendering.executors import cluster_executor
 from tests.cluster import jobs
 from tests.cluster.workers import two_workers
 from tests.rendering.interrupted import cancelled_after

@@ -9,12 +9,12 @@ from alight.core.errors import FilmError
 from alight.films import Film, PartialFilm
 from alight.films.archive import pack_archive, unpack_archive
 from alight.integrators.walk import make_settings
-from alight.rendering import light_tasks
-from alight.rendering.block_tasks import SharedScene
-from alight.rendering.executors import Block
-from alight.rendering.light_tasks import LightQueue, read_light_sums, render_light_task
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.executors import light_tasks
+from alight.rendering.executors.block_tasks import SharedScene
+from alight.rendering.executors.executor import Block
+from alight.rendering.executors.light_tasks import LightQueue, read_light_sums, render_light_task
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from tests.cluster.test_block_tasks import held_by
 

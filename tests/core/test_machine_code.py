@@ -9,7 +9,7 @@ import pytest
 import alight
 from alight.compiled.scene import compile_scene
 from alight.rendering.job import Job
-from alight.rendering.schedule import Uniform
+from alight.rendering.schedules.schedule import Uniform
 from alight.scene import flatten
 from lanewise import machine_code as machine_code_module
 from lanewise.jit import load_compiler

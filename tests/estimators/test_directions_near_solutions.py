@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from alight.core.vec import Vec3
-from alight.integrators.manifold_walk import MARGIN, WIDEST, Solution, draw_near, place_near
+from alight.integrators.caustics.manifold_walk import (
+    MARGIN,
+    WIDEST,
+    Solution,
+    draw_near,
+    place_near,
+)
 from alight.laws.statistics import LARGEST_Z
 from lanewise.jit import instantiate
 

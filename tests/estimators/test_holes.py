@@ -9,7 +9,7 @@ from alight.formats import loads
 from alight.integrators.path import Path
 from alight.integrators.volpath import VolPath
 from alight.laws.integrators import picture
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 
 SIDE = 16

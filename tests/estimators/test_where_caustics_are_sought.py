@@ -6,7 +6,7 @@ import pytest
 from alight.bsdfs.flags import DELTA, NULL
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
-from alight.integrators.chain_types import (
+from alight.integrators.caustics.chain_types import (
     EVENT_BITS,
     EVENT_MASK,
     MOST_EVENTS,

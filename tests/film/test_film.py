@@ -10,7 +10,7 @@ import pytest
 from alight.core.errors import FilmError
 from alight.films import Film, PartialFilm, SampleRanges, fixed_point, readout
 from alight.films.fixed_point import to_limbs
-from alight.rendering.tile import compiled_add_rows
+from alight.rendering.tiles.tile import compiled_add_rows
 
 REPLICATES = 4
 

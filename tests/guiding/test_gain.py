@@ -9,11 +9,11 @@ from alight.formats import loads
 from alight.guiding.gain import EPSILON, Moments, Unguided, add_unguided
 from alight.integrators.walk import make_settings
 from alight.lab.measure import add_tiles, film_for
-from alight.rendering.tile import make_kernels
-from alight.rendering.tiles import tiles_of
-from alight.rendering.trainer import Trainer
-from alight.rendering.training import trained, untrained
-from alight.rendering.training_plan import LEAST_GAIN, TrainingPlan
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.tile import make_kernels
+from alight.rendering.training.trained import trained, untrained
+from alight.rendering.training.trainer import Trainer
+from alight.rendering.training.training_plan import LEAST_GAIN, TrainingPlan
 from alight.scene import flatten
 from tests.guiding.smoky_room import ROOM as SMOKY_ROOM
 from tests.guiding.test_guided_renders import ROOM

@@ -14,12 +14,14 @@ from alight.core.vec import Vec3, luminance
 from alight.guiding.gain import Unguided
 from alight.guiding.records import add_records
 from alight.guiding.tables import RECORD
-from alight.integrators.collisions import evaluate_anywhere, sample_anywhere
 from alight.integrators.guided import Vertex, guide_at, mixed_density, write_guided_scatter
+from alight.integrators.interiors.collisions import evaluate_anywhere, sample_anywhere
 from alight.integrators.walk import empty_paths, make_settings, vertex_dimension
 from alight.laws.statistics import LARGEST_Z
 from alight.media.sampling import evaluate_phase
-from alight.rendering import main_loop, trainer, training
+from alight.rendering import main_loop
+from alight.rendering.training import trained as training
+from alight.rendering.training import trainer
 from alight.samplers.state import sampler_state
 from alight.scene import flatten
 from alight.shapes.surfaces import make_surface

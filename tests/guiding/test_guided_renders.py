@@ -10,7 +10,7 @@ from alight.compiled.scene import compile_scene
 from alight.core.errors import AlightError
 from alight.formats import loads
 from alight.laws.statistics import LARGEST_Z
-from alight.rendering.training import trained
+from alight.rendering.training.trained import trained
 from alight.scene import flatten
 
 #: A room lit through a gap, with a mirror, glass, a material of both lobes, and a lobe that is

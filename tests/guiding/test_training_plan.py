@@ -7,11 +7,11 @@ import alight
 from alight.compiled.scene import compile_scene
 from alight.guiding.tree import Tree
 from alight.options.render import RenderOptions
-from alight.rendering import training_plan
-from alight.rendering.schedules import planned_spp
-from alight.rendering.trainer import Trainer
-from alight.rendering.training import untrained
-from alight.rendering.training_plan import (
+from alight.rendering.schedules.selection import planned_spp
+from alight.rendering.training import training_plan
+from alight.rendering.training.trained import untrained
+from alight.rendering.training.trainer import Trainer
+from alight.rendering.training.training_plan import (
     COST,
     FIRST_GATE,
     GATES,

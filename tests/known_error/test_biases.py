@@ -12,9 +12,9 @@ import alight
 from alight.films import Film, readout
 from alight.films.ledger import Bias, joined
 from alight.outputs import exr
-from alight.rendering.cycles import Cycles
 from alight.rendering.depth_cap import _series
-from alight.rendering.stopping import Promise
+from alight.rendering.schedules.cycles import Cycles
+from alight.rendering.schedules.stopping import Promise
 from tests.rendering.interrupted import cancelled_after
 
 # A closed white box that shines: depth d brings Le rho^(d - 1), so a cap D loses rho^D of it.
@@ -164,7 +164,7 @@ def test_the_surest_effect_is_kept():
 
 
 def test_an_error_that_ends_a_render_is_recorded(box):
-    from alight.rendering.steering import Steered
+    from alight.rendering.schedules.steering import Steered
 
     schedule = Steered(0, None, Promise(0.5))
     film = alight.render(box("{type: path}"), schedule=schedule)

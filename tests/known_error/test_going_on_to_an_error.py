@@ -7,9 +7,9 @@ import pytest
 
 import alight
 from alight.core.errors import OptionError
-from alight.rendering.cycles import Cycles
-from alight.rendering.steering import Steered
-from alight.rendering.stopping import Promise
+from alight.rendering.schedules.cycles import Cycles
+from alight.rendering.schedules.steering import Steered
+from alight.rendering.schedules.stopping import Promise
 from tests.rendering.interrupted import assert_same, cancelled_after
 
 #: No edge of the window lies on the 8-pixel grid.

@@ -9,7 +9,7 @@ import pytest
 
 from alight.rendering.depth_cap import _series
 from alight.rendering.plan import Pilot, _look_after, plan_of
-from alight.rendering.stopping import Promise, first_look, next_look
+from alight.rendering.schedules.stopping import Promise, first_look, next_look
 
 
 def pilot_of(slope=1.0, error=0.01, need=None, spread=0.03, relmse=4e-4, **changes):

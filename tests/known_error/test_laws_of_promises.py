@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from alight.core.errors import OptionError
-from alight.rendering.stopping import (
+from alight.rendering.schedules.stopping import (
     GROWTH,
     Promise,
     first_look,
@@ -16,7 +16,7 @@ from alight.rendering.stopping import (
     next_look,
     share_within,
 )
-from alight.rendering.unseen import Unseen, cell_sum, spread_over_pixels, unseen_error
+from alight.rendering.schedules.unseen import Unseen, cell_sum, spread_over_pixels, unseen_error
 
 #: Signs of four replicates around their mean: a variance of 4/3 times the square of the step.
 SIGNS = np.array([1.0, 1.0, -1.0, -1.0])[:, None]
@@ -283,7 +283,7 @@ def test_a_share_of_the_pixels_is_promised_with_the_confidence_that_is_asked_for
 def test_half_of_the_doubt_at_every_look_is_enough_up_to_the_deviations_that_are_stated(
     confidence, deviation
 ):
-    """The bound of `rendering/stopping.py`: looks that come too early, were they independent."""
+    """The bound of `rendering/schedules/stopping.py`: looks too early, were they independent."""
     z = stats.norm.isf(Promise(0.1, confidence).doubt)
     early = z + np.arange(2000) * math.log(GROWTH) / deviation
     assert 1.0 - stats.norm.cdf(early).prod() <= 1.0 - confidence

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.films.sample_ranges import cells_of, empty_cells
-from alight.rendering.adaptive import (
+from alight.rendering.schedules.adaptive import (
     LEAST,
     MOST,
     PILOT_SPP,

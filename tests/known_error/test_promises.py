@@ -12,12 +12,12 @@ from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.films.sample_ranges import empty_cells
 from alight.metrics.own_error import estimate_relmse
-from alight.rendering.adaptive import LEAST, MOST, counts_at, shares_of
-from alight.rendering.cycles import Cycles, cycles_error, first_decision, in_noise
 from alight.rendering.plan import Pilot, plan_of
-from alight.rendering.schedule import Goal, Verdict
-from alight.rendering.steering import Steered
-from alight.rendering.stopping import (
+from alight.rendering.schedules.adaptive import LEAST, MOST, counts_at, shares_of
+from alight.rendering.schedules.cycles import Cycles, cycles_error, first_decision, in_noise
+from alight.rendering.schedules.schedule import Goal, Verdict
+from alight.rendering.schedules.steering import Steered
+from alight.rendering.schedules.stopping import (
     Promise,
     first_look,
     judge,
@@ -27,7 +27,7 @@ from alight.rendering.stopping import (
     share_within,
     word_of,
 )
-from alight.rendering.unseen import unseen_error
+from alight.rendering.schedules.unseen import unseen_error
 
 
 def noisy(rng, spp, sigma=1.0, size=32):

@@ -29,7 +29,7 @@ from alight.lab.random_scenes.meshes import closed_mesh
 from alight.laws import integrators as laws
 from alight.laws.bodies import vec_of
 from alight.laws.statistics import unit_vectors
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import content_hash, flatten
 from alight.scene.validation import find_problems
 from alight.shapes.arrays import TriangleShape, is_displaced

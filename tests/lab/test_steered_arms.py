@@ -14,8 +14,8 @@ from alight.lab.session import Session
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.estimate import Estimate
-from alight.rendering.cycles import Cycles
-from alight.rendering.steering import Steered
+from alight.rendering.schedules.cycles import Cycles
+from alight.rendering.schedules.steering import Steered
 
 SCENE = SceneSpec("soft-shadows", options={"size": [40, 24]})
 #: The threshold makes the rule decide after 48 samples, and finish some cells.

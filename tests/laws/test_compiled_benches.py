@@ -22,7 +22,7 @@ from alight.laws.materials import Material, random_numbers
 from alight.laws.shapes import RESULTS as SHAPE_RESULTS
 from alight.laws.shapes import look_all
 from alight.laws.statistics import unit_vectors
-from alight.lights.emission_sampling import sample_emission
+from alight.lights.emission.sampling import sample_emission
 from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot
 from alight.shapes.sphere import Sphere

@@ -13,7 +13,10 @@ from alight.lights.point import Point
 from alight.lights.sampling import sample_light
 from alight.lights.spot import Spot
 from alight.lights.tables import INFO
-from alight.lights.tree import (
+from alight.lights.tree.bounds import ALIKE, AXIS, CONE, FLAT, REACH, STRENGTH, Groups
+from alight.lights.tree.build import binary_tree
+from alight.lights.tree.split import Leaves
+from alight.lights.tree.traversal import (
     CHILD,
     LEAF,
     MOST_LEVELS,
@@ -23,9 +26,6 @@ from alight.lights.tree import (
     choose_by_tree,
     plain_probability,
 )
-from alight.lights.tree_bounds import ALIKE, AXIS, CONE, FLAT, REACH, STRENGTH, Groups
-from alight.lights.tree_build import binary_tree
-from alight.lights.tree_split import Leaves
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from alight.shapes.rectangle import Rectangle

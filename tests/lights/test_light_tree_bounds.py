@@ -7,8 +7,7 @@ from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.core.registry import modules, type_name_of
 from alight.core.vec import Vec3
-from alight.lights.tree import BEHIND, least_cosine
-from alight.lights.tree_bounds import (
+from alight.lights.tree.bounds import (
     NEVER,
     ROW,
     WORDS,
@@ -20,8 +19,9 @@ from alight.lights.tree_bounds import (
     pack,
     unpack,
 )
-from alight.lights.tree_build import _groups
-from alight.lights.tree_split import Leaves
+from alight.lights.tree.build import _groups
+from alight.lights.tree.split import Leaves
+from alight.lights.tree.traversal import BEHIND, least_cosine
 from lanewise.jit import instantiate
 from lanewise.view import View
 from tests.lights.test_light_tree import TREE, run

@@ -8,7 +8,7 @@ from alight.core.distributions import UNIT
 from alight.lights.directional import Directional
 from alight.lights.point import Point
 from alight.lights.spot import Spot
-from alight.lights.tree import OUTER, choose_by_tree
+from alight.lights.tree.traversal import OUTER, choose_by_tree
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
 from tests.lights.test_light_tree import NONE, points, run

@@ -9,7 +9,7 @@ from alight.films import Film
 from alight.integrators.path import Path
 from alight.integrators.volpath import VolPath
 from alight.laws.integrators import picture, room
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from tests.media.scenes import HIGH, agree, bodies, columns
 from tests.rendering.interrupted import cancelled_after

@@ -11,7 +11,7 @@ from alight.formats import loads
 from alight.lights.model import LIGHTS
 from alight.lights.sampling import sample_light
 from alight.lights.tables import INFO
-from alight.lights.tree import FAR_FROM_ALL, choose_by_tree, plain_probability
+from alight.lights.tree.traversal import FAR_FROM_ALL, choose_by_tree, plain_probability
 from alight.scene import flatten, keyframes, rotate, translate
 from alight.scene.motion import NOWHERE
 from lanewise.vec3 import Vec3

@@ -28,49 +28,49 @@ BODIES = (
     ),
     Mutant(
         "walks weighted as if all of them were led back",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("LED * led + (1.0 - LED) * _exponentials(plain)", "led"),),
         HALF_SPACE,
     ),
     Mutant(
         "walks that scatter without their channel's extinction",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("plain = n * body.rarity - walk.length * thinner", "plain = -walk.length * thinner"),),
         MEDIUM,
     ),
     Mutant(
         "walks that absorb once too often",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("plain + n * body.albedo", "plain + (n + 1.0) * body.albedo"),),
         HALF_SPACE,
     ),
     Mutant(
         "walks that begin below the surface and end at it",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("maximum(hit.t - margin, 0.0)", "hit.t"),),
         f"{TESTS}::test_the_smallest_radii_leave_the_colour_as_it_is",
     ),
     Mutant(
         "led walks whose last direction had the density of the others",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("(body.nu.z - walk.first) / (body.nu.z - z)", "body.nu.z / (body.nu.z - z)"),),
         HALF_SPACE,
     ),
     Mutant(
         "channels that are all followed alike, and weighted as if they were not",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("below, above = share.x, share.x + share.y", "below, above = 0.333, 0.667"),),
         MEDIUM,
     ),
     Mutant(
         "the last walk of a tile is forgotten",
-        "rendering/tile_loop.py",
+        "rendering/tiles/tile_loop.py",
         (("elif inside > 0:", "elif inside > 1:"),),
         "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
     ),
     Mutant(
         "walks that wait, and whose paths go on outside",
-        "rendering/tile_loop.py",
+        "rendering/tiles/tile_loop.py",
         (("~walk.going)\n        film", "True)\n        film"),),
         "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_in_a_body[1]",
     ),
@@ -82,13 +82,13 @@ BODIES = (
     ),
     Mutant(
         "lamps chosen for the inner side of bodies",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (("n = where(is_body(scene, surface.bsdf), surface.ns, n)", "pass"),),
         f"{TESTS}::test_lamps_that_shine_from_below_a_body_are_not_sampled_where_light_leaves",
     ),
     Mutant(
         "walks that end after some scatterings, come what may",
-        "integrators/body_walk.py",
+        "integrators/interiors/body_walk.py",
         (
             (
                 "longer = survival * (1.0 - LONG_POWER / maximum(to_float(walk.step), 2.0))",

@@ -12,7 +12,7 @@ STUDIES = "tests/cluster/test_studies.py"
 CLUSTER = (
     Mutant(
         "parts that forget the first sample",
-        "rendering/schedules.py",
+        "rendering/schedules/selection.py",
         (("Uniform(whole.first + begin, end - begin)", "Uniform(begin, end - begin)"),),
         f"{PARTS}::test_parts_hold_each_sample_once_and_are_equal_but_for_one",
     ),
@@ -24,7 +24,7 @@ CLUSTER = (
     ),
     Mutant(
         "a cut block whose halves share a sample",
-        "rendering/cluster_executor.py",
+        "rendering/executors/cluster_executor.py",
         (
             (
                 "np.stack([first + taken, count - taken]",
@@ -35,25 +35,25 @@ CLUSTER = (
     ),
     Mutant(
         "the rest of a cut block forgotten",
-        "rendering/cluster_executor.py",
+        "rendering/executors/cluster_executor.py",
         (("self._blocks.append(rest)", "pass"),),
         f"{TASKS}::test_tasks_hold_each_sample_once",
     ),
     Mutant(
         "workers with a seed of their own",
-        "rendering/block_tasks.py",
+        "rendering/executors/block_tasks.py",
         (("shared.settings._replace(seed=task.seed)", "shared.settings"),),
         f"{TASKS}::test_an_answer_is_the_sums_of_its_blocks",
     ),
     Mutant(
         "answers with other samples than asked for let in",
-        "rendering/block_tasks.py",
+        "rendering/executors/block_tasks.py",
         (("if (_array(arrays, name, expected.shape) != expected).any():", "if False:"),),
         f"{TASKS}::test_a_malformed_answer_is_refused",
     ),
     Mutant(
         "answers of another task let in",
-        "rendering/block_tasks.py",
+        "rendering/executors/block_tasks.py",
         (('if archive.content["task"] != task.digest:', "if False:"),),
         f"{TASKS}::test_a_malformed_answer_is_refused",
     ),
@@ -83,7 +83,7 @@ CLUSTER = (
     ),
     Mutant(
         "the most samples of a pixel taken for its last one",
-        "rendering/resume.py",
+        "rendering/checkpoints/resume.py",
         (
             ("ends = (end for cell in", "ends = (cell.count for cell in"),
             ("cells.flat for _, end in cell)", "cells.flat)"),
@@ -134,19 +134,19 @@ CLUSTER = (
     ),
     Mutant(
         "light paths of the next replicate",
-        "rendering/light_tasks.py",
+        "rendering/executors/light_tasks.py",
         (("first + (self.replicate - first) % self.replicates", "first"),),
         f"{LIGHT}::test_tasks_and_what_is_left_of_them_hold_each_sample_once",
     ),
     Mutant(
         "a strip taken for the whole window",
-        "rendering/light_tasks.py",
+        "rendering/executors/light_tasks.py",
         (("        if key not in self._pending:", "        if True:"),),
         f"{LIGHT}::test_tasks_and_what_is_left_of_them_hold_each_sample_once",
     ),
     Mutant(
         "sums of strips that are not joined",
-        "rendering/light_tasks.py",
+        "rendering/executors/light_tasks.py",
         (("    add_sums(a.sums, b.sums)\n", ""),),
         f"{LIGHT}::test_answers_add_up_to_the_film_of_a_render",
     ),

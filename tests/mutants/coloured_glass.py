@@ -33,31 +33,31 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "shadow rays through holes are not dimmed by bodies",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (("left * _left_along(bodies, t, going)", "left * 1.0"),),
         f"{TESTS}::test_shadow_rays_through_holes_are_dimmed_inside",
     ),
     Mutant(
         "behind a hole the body goes on",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (("entered, within, where(left, around, bodies)", "entered, within, bodies"),),
         f"{TESTS}::test_holes_lead_into_bodies_and_out_of_them[path-0.4]",
     ),
     Mutant(
         "whoever leaves a bubble is in empty space",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (("Bodies(bodies.middle, bodies.outer", "Bodies(lanes_vec3(0.0), bodies.outer"),),
         f"{TESTS}::test_each_of_nested_bodies_dims_its_part_of_the_way",
     ),
     Mutant(
         "paths begin in empty space, even inside of a body",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (("around = bounds & inner & (entered == 0)", "around = bounds & inner & (entered > 0)"),),
         f"{TESTS}::test_a_camera_inside_sees_through_the_body[lamp-0.8]",
     ),
     Mutant(
         "where paths begin, the outer of two bodies counts",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (
             ("inner=where(around & (found == 0), body", "inner=where(around & (found == 1), body"),
             ("middle=where(around & (found == 1)", "middle=where(around & (found == 0)"),
@@ -83,7 +83,7 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "the outermost of three bodies is never left",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (
             (
                 "Bodies(bodies.middle, bodies.outer, lanes_vec3(0.0))",
@@ -94,7 +94,7 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "the second body around a camera is taken for the first",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (
             (
                 "around & (found == 1), body, bodies.middle",
@@ -105,19 +105,19 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "bodies beside the camera are around it",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (("around = bounds & inner & (entered == 0)", "around = bounds & inner"),),
         f"{NESTED}::test_each_body_dims_its_part_of_the_way[1]",
     ),
     Mutant(
         "a box around bodies that is as high as wide",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (("(p.z <= box[5])", "(p.z <= box[4])"),),
         f"{NESTED}::test_each_body_dims_its_part_of_the_way[1]",
     ),
     Mutant(
         "the inner side of a boundary tells nothing",
-        "integrators/enclosing.py",
+        "integrators/interiors/enclosing.py",
         (
             (
                 "_at_arrival(scene, path.bodies, surface, path.d, met)\n    beta",

@@ -77,7 +77,7 @@ COMPILER = (
     ),
     Mutant(
         "samples of a packet that lie sixteen apart",
-        "rendering/tile_kernel.py",
+        "rendering/tiles/tile_kernel.py",
         (
             (
                 "        taken[LANES + count] = as_uint(cursor.y)\n",

@@ -7,7 +7,7 @@ TESTS = "tests/physics/test_dispersion.py"
 DISPERSED = (
     Mutant(
         "weights of a wavelength at every surface",
-        "integrators/dispersed.py",
+        "integrators/interiors/dispersed.py",
         (("first = active & ~path.monochromatic &", "first = active &"),),
         f"{TESTS}::test_white_glass_is_white",
     ),

@@ -8,7 +8,7 @@ LIGHTS = "tests/edges/test_lights.py"
 EDGES = (
     Mutant(
         "a checkpoint that chooses what code is run",
-        "rendering/resume.py",
+        "rendering/checkpoints/resume.py",
         (
             (
                 "load_plugins(plugins)",

@@ -9,13 +9,13 @@ TRACING = "tests/rendering/test_light_tracing.py::test_it_finds_what_path_tracin
 EMISSION = (
     Mutant(
         "a light path forgets how likely its light was",
-        "lights/emission_sampling.py",
+        "lights/emission/sampling.py",
         (("flux=e.flux * (1.0 / choice)", "flux=e.flux"),),
         f"{SCENES}::test_rays_of_several_lights_carry_the_power_of_all[lamps]",
     ),
     Mutant(
         "light leaves a lamp in all directions alike",
-        "lights/shape_emission.py",
+        "lights/emission/from_shapes.py",
         (
             ("import square_to_cosine_hemisphere", "import square_to_uniform_hemisphere"),
             ("square_to_cosine_hemisphere(v2)", "square_to_uniform_hemisphere(v2)"),
@@ -35,19 +35,19 @@ EMISSION = (
     ),
     Mutant(
         "the flux of a shape without its pi",
-        "lights/shape_emission.py",
+        "lights/emission/from_shapes.py",
         (("PI / where(drawn, pdf, 1.0)", "1.0 / where(drawn, pdf, 1.0)"),),
         f"{LAWS_OF}[lights-area]",
     ),
     Mutant(
         "light that a map leaves to BSDF sampling starts no path",
-        "lights/environment_emission.py",
+        "lights/emission/from_environments.py",
         (("rest = lanes(0.0) + left_out(scene, back)", "rest = lanes(0.0)"),),
         f"{LAWS_OF}[lights-environment]",
     ),
     Mutant(
         "lines through a portal not in the density",
-        "lights/environment_emission.py",
+        "lights/emission/from_environments.py",
         (("share = 0.5 / len(windows)", "share = 0.0"),),
         f"{SCENES}::test_rays_of_several_lights_carry_the_power_of_all[windows among lamps]",
     ),
@@ -82,7 +82,7 @@ EMISSION = (
     ),
     Mutant(
         "a moving lamp's light paths start where it rests",
-        "lights/emission_sampling.py",
+        "lights/emission/sampling.py",
         (("turning, placed(m, e.p)), e.p)", "turning, e.p), e.p)"),),
         f"{SCENES}::test_moving_lights_emit_where_they_are[0.4]",
     ),
@@ -99,13 +99,13 @@ EMISSION = (
     ),
     Mutant(
         "flux is concentrated in glass as radiance is",
-        "integrators/light_walk.py",
+        "integrators/both_ends/light_walk.py",
         (("turned = turned * inside / outside", "turned = turned * 1.0"),),
         f"{TRACING}[under water]",
     ),
     Mutant(
         "splats over one pixel too few",
-        "rendering/light_tile.py",
+        "rendering/tiles/light_tile.py",
         (("(1.0 / as_float(width * height))", "(1.0 / as_float(width * height - width))"),),
         f"{TRACING}[a lamp]",
     ),

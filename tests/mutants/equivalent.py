@@ -106,9 +106,10 @@ EQUIVALENT: dict[str, str] = {
     "lights/projector.py brightness_of: 1e-6 -> 1.02e-06": (
         "points within a millionth of the projector's own plane, which its picture never reaches"
     ),
-    "lights/tree.py is_far: p - row_vec3(cdf, MIDDLE) -> ((p) + (row_vec3(cdf, MIDDLE)))": (
-        "how often a lamp is chosen; sampling and its probability ask the same"
-    ),
+    (
+        "lights/tree/traversal.py is_far: p - row_vec3(cdf, MIDDLE) -> "
+        "((p) + (row_vec3(cdf, MIDDLE)))"
+    ): ("how often a lamp is chosen; sampling and its probability ask the same"),
     "media/sampling.py _kind: medium * INFO + KIND -> ((medium * INFO) - (KIND))": (
         "KIND is 0: the first number of its row"
     ),
@@ -143,13 +144,13 @@ EQUIVALENT: dict[str, str] = {
         "the phase function is the same forwards and backwards"
     ),
     (
-        "rendering/both_ends_tile.py render_both_ends.render_both_ends: LONGEST - 1 -> ((LONGEST) "
-        "+ (1))"
+        "rendering/tiles/both_ends_tile.py render_both_ends.render_both_ends: LONGEST - 1 -> "
+        "((LONGEST) + (1))"
     ): (
         "a second guard: light paths are active while depth + 1 < LONGEST (`joined_up_to`, "
         "`write_follow`), so that they end after LONGEST - 1 vertices"
     ),
-    "rendering/tile_loop.py tile_loop.render_samples: 0 -> 1 (8)": (
+    "rendering/tiles/tile_loop.py tile_loop.render_samples: 0 -> 1 (8)": (
         "when a packet is filled again; each path is followed to its end in any case"
     ),
     "samplers/halton.py _divide: 0.5 -> 0.51": (

@@ -8,7 +8,7 @@ BITS = "tests/determinism/test_same_bits.py"
 FILM = (
     Mutant(
         "sums in float32",
-        "rendering/tile_kernel.py",
+        "rendering/tiles/tile_kernel.py",
         (
             ("    as_int,\n", "    as_int,\n    as_float,\n"),
             (
@@ -20,7 +20,7 @@ FILM = (
     ),
     Mutant(
         "replicate and index of a sample swapped",
-        "rendering/tile_kernel.py",
+        "rendering/tiles/tile_kernel.py",
         (("first // replicates, first % replicates", "first % replicates, first // replicates"),),
         f"{TWIN}::test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate",
     ),
@@ -44,13 +44,13 @@ FILM = (
     ),
     Mutant(
         "camera rays by the pixel's place in the tile",
-        "rendering/tile_kernel.py",
+        "rendering/tiles/tile_kernel.py",
         (("to_float(x) + 0.5 + dx", "to_float(x - tile.x0) + 0.5 + dx"),),
         f"{BITS}::test_crop_equals_the_cut_out",
     ),
     Mutant(
         "random numbers that depend on the tile",
-        "rendering/tile_kernel.py",
+        "rendering/tiles/tile_kernel.py",
         (
             (
                 "3 * LANES), lanes_u32(settings.seed)",

@@ -16,7 +16,7 @@ SAME = f"{RENDERS}::test_a_guided_picture_is_that_of_a_path_tracer"
 GUIDING = (
     Mutant(
         "ways go on through what scatters",
-        "rendering/light_training.py",
+        "rendering/training/light_training.py",
         (
             (
                 "        way = lanes_vec3(1.0) * where(delta, way, 0.0)\n        # Light",
@@ -27,7 +27,7 @@ GUIDING = (
     ),
     Mutant(
         "ways go on through what scatters in media",
-        "rendering/light_training.py",
+        "rendering/training/light_training.py",
         (
             (
                 "        way = lanes_vec3(1.0) * where(delta, way, 0.0)\n        unseen",
@@ -175,7 +175,7 @@ GUIDING = (
     ),
     Mutant(
         "training that looks up the pixels of the film",
-        "rendering/trainer.py",
+        "rendering/training/trainer.py",
         (
             (
                 "frame = framed(box, picture, self.size)",
@@ -186,7 +186,7 @@ GUIDING = (
     ),
     Mutant(
         "training with the picture's random numbers of a thread",
-        "rendering/trainer.py",
+        "rendering/training/trainer.py",
         (
             (
                 "seed=seed_of_round(seed, TRAINING + number)",
@@ -247,13 +247,13 @@ GUIDING = (
     ),
     Mutant(
         "training pictures with samples that are no numbers",
-        "rendering/trainer.py",
+        "rendering/training/trainer.py",
         (("    ends = np.where(np.isfinite(ends), ends, 0.0)\n", ""),),
         f"{GAIN}::test_samples_that_are_no_numbers_say_nothing",
     ),
     Mutant(
         "light paths in media that do not record their last vertex",
-        "rendering/light_training.py",
+        "rendering/training/light_training.py",
         (
             (
                 "        seen = met.active | collided\n",
@@ -264,7 +264,7 @@ GUIDING = (
     ),
     Mutant(
         "light paths leave records at mirrors",
-        "rendering/light_training.py",
+        "rendering/training/light_training.py",
         (
             (
                 "seen & ~path.delta & (~delta | is_mixed(scene, arrival.surface))",
@@ -275,7 +275,7 @@ GUIDING = (
     ),
     Mutant(
         "light paths record what light sampling finds",
-        "rendering/light_training.py",
+        "rendering/training/light_training.py",
         (
             (
                 "seen & ~path.delta & (~delta | is_mixed(scene, arrival.surface))",
@@ -286,7 +286,7 @@ GUIDING = (
     ),
     Mutant(
         "a way that begins again at mirrors",
-        "rendering/light_training.py",
+        "rendering/training/light_training.py",
         (
             (
                 "where(delta, way, 0.0)\n        # Light sampling",
@@ -331,7 +331,7 @@ GUIDING = (
     ),
     Mutant(
         "paths that are too rare for a number",
-        "rendering/trainer.py",
+        "rendering/training/trainer.py",
         (("np.where(np.isfinite(without), without, ends**2)", "without"),),
         f"{GAIN}::test_samples_that_are_no_numbers_say_nothing",
     ),

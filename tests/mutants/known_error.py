@@ -39,7 +39,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "a clock that ends between two looks says met",
-        "rendering/steering.py",
+        "rendering/schedules/steering.py",
         (
             (
                 "        if not judgement.met:\n            return self._say",
@@ -50,7 +50,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "a bound for samples of lights that a tree chooses",
-        "rendering/largest_sample.py",
+        "rendering/schedules/largest_sample.py",
         (("if by_tree or flat.lights", "if flat.lights"),),
         "tests/known_error/test_largest_sample.py::test_samples_of_lights_that_a_tree_chooses_have_no_bound",
     ),
@@ -192,7 +192,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "every promise that is not kept is doubted",
-        "rendering/stopping.py",
+        "rendering/schedules/stopping.py",
         (("doubted = not within and sure <= promise.error**2", "doubted = not within"),),
         f"{PROMISES}::test_an_error_that_hangs_on_unknown_brightness_is_not_certifiable",
     ),
@@ -204,7 +204,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "the estimate in the place of what is not exceeded",
-        "rendering/stopping.py",
+        "rendering/schedules/stopping.py",
         (
             (
                 "achieved = estimate.relrmse_below(1.0 - promise.doubt)",
@@ -215,19 +215,19 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "all the doubt at every look",
-        "rendering/stopping.py",
+        "rendering/schedules/stopping.py",
         (("return 0.5 * (1.0 - self.confidence)", "return 1.0 - self.confidence"),),
         f"{PROMISES}::test_a_look_asks_for_the_error_that_is_not_exceeded",
     ),
     Mutant(
         "rare light passed over",
-        "rendering/stopping.py",
+        "rendering/schedules/stopping.py",
         (("met = within and unseen.figure <= promise.error", "met = within"),),
         f"{PROMISES}::test_one_spike_makes_a_noiseless_picture_uncertain",
     ),
     Mutant(
         "a pilot that is in the picture",
-        "rendering/steering.py",
+        "rendering/schedules/steering.py",
         (
             (
                 "return Goal.uniform(film, self.first, pilot, round=1)",
@@ -238,7 +238,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "samples by the variance, not by its root",
-        "rendering/adaptive.py",
+        "rendering/schedules/adaptive.py",
         (
             (
                 "return np.sqrt((1.0 - _AROUND) * variance + _AROUND * box(variance))",
@@ -249,7 +249,7 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "Cycles' rule one decision too early",
-        "rendering/cycles.py",
+        "rendering/schedules/cycles.py",
         (("((least + 1) // STEP + 1)", "(least // STEP + 1)"),),
         f"{PROMISES}::test_cycles_decides_first_where_cycles_does",
     ),
@@ -346,13 +346,13 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "unseen light upwards only where samples have both signs",
-        "rendering/unseen.py",
+        "rendering/schedules/unseen.py",
         (("signed = bool((means < 0.0).any())", "signed = False"),),
         f"{PROMISES}::test_where_samples_have_both_signs_a_dip_tells_as_much_as_a_spike",
     ),
     Mutant(
         "unseen light of replicates that lack what the others have",
-        "rendering/unseen.py",
+        "rendering/schedules/unseen.py",
         (("signed = bool((means < 0.0).any())", "signed = True"),),
         f"{PROMISES}::test_where_samples_have_both_signs_a_dip_tells_as_much_as_a_spike",
     ),

@@ -59,19 +59,19 @@ LABORATORY = (
     ),
     Mutant(
         "a share of pixels without its margin",
-        "rendering/stopping.py",
+        "rendering/schedules/stopping.py",
         (("return share - z * math.sqrt", "return share - 0.0 * math.sqrt"),),
         f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
     ),
     Mutant(
         "a share of pixels whose margin is always that of 99 %",
-        "rendering/stopping.py",
+        "rendering/schedules/stopping.py",
         (("-NormalDist().inv_cdf(doubt)", "2.576"),),
         f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
     ),
     Mutant(
         "adaptive shares that forget the epsilon of dark pixels",
-        "rendering/adaptive.py",
+        "rendering/schedules/adaptive.py",
         (("np.maximum(box(mean) ** 2 + epsilon,", "np.maximum(box(mean) ** 2,"),),
         f"{SHARES}::test_shares_are_the_root_of_the_relative_variance_and_epsilon_holds_the_dark_back",
     ),

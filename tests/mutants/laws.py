@@ -262,7 +262,7 @@ LAWS = (
     ),
     Mutant(
         "media add light where they scatter, too",
-        "integrators/collisions.py",
+        "integrators/interiors/collisions.py",
         (("absorbed = lanes_vec3(1.0) - albedo", "absorbed = lanes_vec3(1.0) + 0.0 * albedo"),),
         f"{LAWS_OF}[media-homogeneous]",
     ),

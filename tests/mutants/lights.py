@@ -132,7 +132,7 @@ LIGHT = (
     ),
     Mutant(
         "textured lamp whose samples show another point",
-        "lights/emission.py",
+        "lights/area_radiance.py",
         (
             (
                 "x, y, prim = where(mine, x1, x), where(mine, y1, y)",
@@ -190,13 +190,13 @@ LIGHT = (
     ),
     Mutant(
         "light tree that takes a group's lights to be in its middle",
-        "lights/tree_bounds.py",
+        "lights/tree/bounds.py",
         (("    towards += group.behind * inverse\n", ""),),
         f"{TREE}::test_a_group_is_not_dark_where_one_of_it_shines",
     ),
     Mutant(
         "light tree that forgets the rest of its number where the first lights are dark",
-        "lights/tree.py",
+        "lights/tree/traversal.py",
         (("u = where(walking & (share > 0.0), rest, u)", "u = where(walking, rest, u)"),),
         f"{TREE}::test_choice_where_groups_are_dark",
     ),
@@ -208,7 +208,7 @@ LIGHT = (
     ),
     Mutant(
         "far lights whose densities forget their group",
-        "lights/tree.py",
+        "lights/tree/traversal.py",
         (("plain * (to_float(mine) / to_float(size))", "to_float(mine) / to_float(size)"),),
         f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
     ),

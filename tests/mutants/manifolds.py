@@ -20,19 +20,19 @@ MANIFOLDS = (
     ),
     Mutant(
         "one over the density of a caustic taken for one",
-        "integrators/manifold_sampling.py",
+        "integrators/caustics/manifold_sampling.py",
         (("made = made + lanes(weight * count)", "made = lanes(1.0)"),),
         WATER,
     ),
     Mutant(
         "directions near a solution 2 % too dense",
-        "integrators/manifold_walk.py",
+        "integrators/caustics/manifold_walk.py",
         (("INV_PI / (MARGIN * MARGIN)", "1.02 * INV_PI / (MARGIN * MARGIN)"),),
         WATER,
     ),
     Mutant(
         "searches of a packet counted as if one of them was the last",
-        "integrators/manifold_sampling.py",
+        "integrators/caustics/manifold_sampling.py",
         (("(LANES + 1.0) / (taken + 1.0)", "(LANES + 0.0) / (taken + 0.0)"),),
         WATER,
     ),
@@ -50,43 +50,43 @@ MANIFOLDS = (
     ),
     Mutant(
         "repeated searches that end at chains of another type",
-        "integrators/manifold_search.py",
+        "integrators/caustics/manifold_search.py",
         (("begun = (starts & wanted)", "begun = starts"),),
         PANE,
     ),
     Mutant(
         "lamps of caustics chosen as if there was one",
-        "integrators/manifold_sampling.py",
+        "integrators/caustics/manifold_sampling.py",
         (("(probability * chosen * where", "(probability * where"),),
         SAME,
     ),
     Mutant(
         "repeated searches with the random numbers of the first",
-        "integrators/manifold_sampling.py",
+        "integrators/caustics/manifold_sampling.py",
         (("(number + lane_index() + 1) * PAIRS", "(number + lane_index()) * PAIRS"),),
         WATER,
     ),
     Mutant(
         "glass on the way to a lamp that takes no light",
-        "integrators/specular_chain.py",
+        "integrators/caustics/specular_chain.py",
         (("beta, bodies = ray.beta, ray.bodies", "bodies = ray.bodies"),),
         SAME,
     ),
     Mutant(
         "chains that start in the body that the path came in",
-        "integrators/manifold_search.py",
+        "integrators/caustics/manifold_search.py",
         (("bodies_beyond(scene, search.bodies, search.surface, search.d, w)", "search.bodies"),),
         f"{GLASS}[out of coloured glass]",
     ),
     Mutant(
         "caustics at glass that disperses light, in no colour",
-        "integrators/manifold_sampling.py",
+        "integrators/caustics/manifold_sampling.py",
         (("meet_dispersion(scene, surface, path, lit).beta", "path.beta"),),
         f"{GLASS}[through glass that disperses light]",
     ),
     Mutant(
         "splats that are negative in their only channel dropped",
-        "integrators/splats.py",
+        "integrators/both_ends/splats.py",
         (("max_component(absolute_vec3(value)) <= 0.0", "max_component(value) <= 0.0"),),
         "tests/estimators/test_light_through_glass.py"
         "::test_light_paths_agree_with_camera_paths[a red lamp]",
@@ -100,21 +100,21 @@ MANIFOLDS = (
     ),
     Mutant(
         "no chains from the lacquer of plastic",
-        "integrators/chain_types.py",
+        "integrators/caustics/chain_types.py",
         (("(clear or DELTA_AND_SMOOTH in program.bsdfs)", "clear"),),
         "tests/estimators/test_where_caustics_are_sought.py"
         "::test_chains_are_followed_where_a_material_mirrors",
     ),
     Mutant(
         "chains longer than there are bits for",
-        "integrators/chain_types.py",
+        "integrators/caustics/chain_types.py",
         (("MOST_EVENTS = 6", "MOST_EVENTS = 17"),),
         "tests/estimators/test_where_caustics_are_sought.py"
         "::test_the_events_of_the_longest_chain_have_bits_of_their_own",
     ),
     Mutant(
         "chains through glass that disperses light",
-        "integrators/specular_chain.py",
+        "integrators/caustics/specular_chain.py",
         (
             (
                 "is_one_model(scene, surface) & ~spreads(scene, surface)",
@@ -126,7 +126,7 @@ MANIFOLDS = (
     ),
     Mutant(
         "the plane of an ellipse fans out by the square of the cosine",
-        "integrators/manifold_walk.py",
+        "integrators/caustics/manifold_walk.py",
         (
             (
                 "solution.density * scale * scale * scale, 0.0",
@@ -138,7 +138,7 @@ MANIFOLDS = (
     ),
     Mutant(
         "an ellipse that leans the other way",
-        "integrators/manifold_walk.py",
+        "integrators/caustics/manifold_walk.py",
         (("u = (MARGIN * x - mixed * v) / first", "u = (MARGIN * x + mixed * v) / first"),),
         "tests/estimators/test_directions_near_solutions.py"
         "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",

@@ -74,7 +74,7 @@ MATTES = (
     ),
     Mutant(
         "answers of workers without weights",
-        "rendering/block_tasks.py",
+        "rendering/executors/block_tasks.py",
         (('arrays |= pack_sums(f"{number}.coverage", partial.coverage)', "pass"),),
         f"{TESTS}::test_a_worker_answers_with_the_table",
     ),

@@ -47,13 +47,13 @@ MEDIA = (
     ),
     Mutant(
         "borders turned inside out",
-        "integrators/volume_walk.py",
+        "integrators/interiors/volume_walk.py",
         (("side_of(w, surface.ng) < 0.0", "side_of(w, surface.ng) > 0.0"),),
         f"{FORMS}::test_leaving_a_body_leads_into_its_exterior",
     ),
     Mutant(
         "blue never chooses a distance",
-        "integrators/volume_walk.py",
+        "integrators/interiors/volume_walk.py",
         (("3.0 * get_1d(sampler, CHANNEL)", "2.0 * get_1d(sampler, CHANNEL)"),),
         f"{FORMS}::test_transmittance_of_a_ball_is_beers_law",
     ),
@@ -83,7 +83,7 @@ MEDIA = (
     ),
     Mutant(
         "media shine where they scatter too",
-        "integrators/collisions.py",
+        "integrators/interiors/collisions.py",
         (("lanes_vec3(1.0) - albedo", "lanes_vec3(1.0)"),),
         "tests/media/test_emission.py::test_in_a_furnace_as_bright_as_themselves_media_vanish",
     ),
@@ -112,7 +112,7 @@ MEDIA = (
     ),
     Mutant(
         "channel and time drawn from one number",
-        "integrators/volume_walk.py",
+        "integrators/interiors/volume_walk.py",
         (("CHANNEL = 5", "CHANNEL = 4"),),
         f"{NUMBERS}::test_no_number_is_used_for_two_purposes[volpath-1]",
     ),

@@ -136,7 +136,7 @@ SLIPS = (
     ),
     Mutant(
         "the first column of the picture comes again and again",
-        "rendering/tile_kernel.py",
+        "rendering/tiles/tile_kernel.py",
         (("            if x < 0:", "            if x <= 0:"),),
         "tests/rendering/test_in_the_twin.py::"
         "test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate[corner-1]",
@@ -183,7 +183,7 @@ SLIPS = (
     ),
     Mutant(
         "the last path that met a surface is forgotten",
-        "rendering/tile_loop.py",
+        "rendering/tiles/tile_loop.py",
         (("elif held > 0:", "elif held > 1:"),),
         "tests/rendering/test_in_the_twin.py::test_no_sample_is_left_waiting[path-2-1]",
     ),

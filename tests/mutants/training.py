@@ -9,7 +9,7 @@ TREE = "tests/guiding/test_tree.py"
 TRAINING = (
     Mutant(
         "a crop that plans by its own pixels",
-        "rendering/training.py",
+        "rendering/training/trained.py",
         (
             (
                 "    width, height = scene.size\n    return Length",
@@ -20,7 +20,7 @@ TRAINING = (
     ),
     Mutant(
         "leaves do not look a second time",
-        "rendering/trainer.py",
+        "rendering/training/trainer.py",
         (("elif number == REFOCUS_ROUND:", "elif number == -1:"),),
         f"{PLAN}::test_leaves_look_for_light_a_second_time_once[5-1]",
     ),
@@ -37,7 +37,7 @@ TRAINING = (
     ),
     Mutant(
         "a limit that makes training longer",
-        "rendering/training_plan.py",
+        "rendering/training/training_plan.py",
         (
             (
                 "is_long = math.isfinite(samples) and not is_limit",
@@ -48,7 +48,7 @@ TRAINING = (
     ),
     Mutant(
         "a guide that is used whatever it is worth",
-        "rendering/training_plan.py",
+        "rendering/training/training_plan.py",
         (("if gain >= LEAST_GAIN:", "if True:"),),
         f"{PLAN}::test_gates_rise",
     ),
@@ -71,7 +71,7 @@ TRAINING = (
     ),
     Mutant(
         "one more round than the picture is worth",
-        "rendering/training_plan.py",
+        "rendering/training/training_plan.py",
         (
             (
                 "gain >= GATES[number] and self._spent(number + 1)",
@@ -82,7 +82,7 @@ TRAINING = (
     ),
     Mutant(
         "the samples of one part in place of the whole render's",
-        "rendering/schedules.py",
+        "rendering/schedules/selection.py",
         (
             (
                 "    return options.spp or own_spp or SPP, False",

@@ -84,7 +84,7 @@ TRANSPORT = (
     ),
     Mutant(
         "what a medium emits behind the second edge as direct light",
-        "integrators/collisions.py",
+        "integrators/interiors/collisions.py",
         (("scattered, path.depth <= 1)", "scattered, path.depth <= 2)"),),
         "tests/rendering/test_in_the_twin.py"
         "::test_the_direct_layer_is_the_picture_of_two_edges[glow]",

@@ -8,7 +8,7 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.films import fixed_point
 from alight.formats import loads
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from tests.twin import film_of, picture_of
 

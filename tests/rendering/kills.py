@@ -26,9 +26,9 @@ import numpy as np
 import alight
 from alight.core.errors import FilmError, OutputError
 from alight.films import Film
-from alight.rendering.checkpoint import read_checkpoint
-from alight.rendering.steering import Steered
-from alight.rendering.stopping import Promise
+from alight.rendering.checkpoints.checkpoint import read_checkpoint
+from alight.rendering.schedules.steering import Steered
+from alight.rendering.schedules.stopping import Promise
 
 SPP = 48
 

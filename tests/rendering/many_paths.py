@@ -22,7 +22,7 @@ from lanewise.simd import lanes_u32, to_float
 
 @kernel
 def begin(scene, settings, x, y, index, scramble):
-    """Paths that wait for their first step, as in `alight.rendering.tile_kernel.start`."""
+    """Paths that wait for their first step, as in `alight.rendering.tiles.tile_kernel.start`."""
     sampler = sampler_state(x, y, index, scramble, lanes_u32(settings.seed))
     dx, dy, weight = sample_filter(scene, get_2d(sampler, FILTER))
     seen = at_times_of(scene, sampler)

@@ -9,9 +9,9 @@ from alight.formats import loads
 from alight.guiding.tables import LEAF, LEAF_ROW, NODE, Guide
 from alight.integrators.aov import LAYERS, MOST_BOUNCES
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
-from alight.rendering.training import with_guide
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
+from alight.rendering.training.trained import with_guide
 from alight.scene import flatten
 from lanewise.view import View
 

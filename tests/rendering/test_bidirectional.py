@@ -11,10 +11,10 @@ from alight.compiled.scene import compile_scene
 from alight.core.errors import OptionError, SceneError
 from alight.films import Film
 from alight.formats import loads
-from alight.integrators import camera_subpath, light_subpath
 from alight.integrators.bidirectional import Bidirectional
-from alight.integrators.camera_subpath import weight_of_hit
-from alight.integrators.connection_weights import (
+from alight.integrators.both_ends import camera_subpath, light_subpath
+from alight.integrators.both_ends.camera_subpath import weight_of_hit
+from alight.integrators.both_ends.connection_weights import (
     Techniques,
     all_behind,
     techniques_at,
@@ -26,8 +26,8 @@ from alight.integrators.light import Light
 from alight.integrators.path import Path
 from alight.laws.integrators import DARK_LAMP, picture
 from alight.laws.integrators import REPLICATES as FEW_REPLICATES
-from alight.rendering import both_ends_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles import both_ends_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from tests.rendering.light_scenes import (

@@ -17,9 +17,10 @@ import alight
 from alight.bsdfs.diffuse import Diffuse
 from alight.core.errors import FilmError, OptionError, OutputError
 from alight.films import Film
-from alight.rendering import checkpoint_writer, resume, schedules
-from alight.rendering.checkpoint import read_checkpoint
-from alight.rendering.schedule import Goal, Schedule, Verdict
+from alight.rendering.checkpoints import checkpoint_writer, resume
+from alight.rendering.checkpoints.checkpoint import read_checkpoint
+from alight.rendering.schedules import selection as schedules
+from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.summary import summary_lines
 from alight.scene import SceneManager
 from alight.scene.content import describe_content, differences

@@ -17,11 +17,11 @@ from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.laws.statistics import LARGEST_Z
 from alight.outputs import cryptomatte
-from alight.rendering import block_tasks
-from alight.rendering.executors import Block
+from alight.rendering.executors import block_tasks
+from alight.rendering.executors.executor import Block
 from alight.rendering.layers import AOVS
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 
 SIZE, SPP = 12, 8

@@ -20,8 +20,8 @@ from alight.integrators.walk import (
     is_staged,
     make_settings,
 )
-from alight.rendering.tile import TWINS_LANES, make_kernels, render_tile
-from alight.rendering.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
+from alight.rendering.tiles.tile import TWINS_LANES, make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Cursor, Tile, count_cells, next_pixel, next_sample
 from alight.samplers import independent
 from alight.scene import flatten
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from alight.films import Film, SampleRanges
-from alight.rendering.passes import PASS_SECONDS, Pace, Work, first_gap, ranges_of
-from alight.rendering.schedule import Goal
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.schedules.passes import PASS_SECONDS, Pace, Work, first_gap, ranges_of
+from alight.rendering.schedules.schedule import Goal
+from alight.rendering.tiles.tile_kernel import Tile
 
 
 @pytest.mark.parametrize(

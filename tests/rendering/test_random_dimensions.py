@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from alight.core.registry import modules
+from alight.integrators.both_ends.light_subpath import OTHER_HALF
+from alight.integrators.both_ends.splats import LENS_POINT, PIXEL
 from alight.integrators.guided import GUIDE
-from alight.integrators.light_subpath import OTHER_HALF
+from alight.integrators.interiors.volume_walk import CHANNEL, FREE_FLIGHT
 from alight.integrators.moments import TIME
-from alight.integrators.splats import LENS_POINT, PIXEL
-from alight.integrators.volume_walk import CHANNEL, FREE_FLIGHT
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,

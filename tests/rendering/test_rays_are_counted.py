@@ -7,8 +7,8 @@ import alight
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 
 SIDE, SPP = 8, 4

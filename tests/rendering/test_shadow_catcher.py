@@ -11,8 +11,8 @@ from alight.formats import loads
 from alight.integrators.walk import make_settings
 from alight.laws.statistics import LARGEST_Z
 from alight.lights.ground import SHADOW
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 
 #: A disk of radius 1, one metre above the ground, which a grain of sand beside the picture lies on;

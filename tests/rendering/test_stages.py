@@ -8,9 +8,9 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import TileFilm
-from alight.rendering.tile_kernel import RAYS, Tile
-from alight.rendering.tile_loop import render_step_by_step, render_tile_kernel
+from alight.rendering.tiles.tile import TileFilm
+from alight.rendering.tiles.tile_kernel import RAYS, Tile
+from alight.rendering.tiles.tile_loop import render_step_by_step, render_tile_kernel
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.view import View

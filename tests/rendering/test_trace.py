@@ -16,7 +16,7 @@ from alight.core.registry import specs
 from alight.films import fixed_point
 from alight.formats import loads
 from alight.laws.integrators import ROOM
-from alight.rendering.observation import search_all_triangles
+from alight.rendering.tracing.observation import search_all_triangles
 from alight.scene.description import FilmSettings
 from alight.shapes.hit import Hit
 from lanewise.simd import LANES

@@ -15,8 +15,8 @@ from alight.integrators.walk import make_settings
 from alight.laws.scene import pictures
 from alight.meshes.tessellation import TooManyTrianglesError, tessellated
 from alight.meshes.triangles import MeshArrays
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import content_hash, flatten
 from alight.scene.description import Node
 from alight.scene.meshes import mesh_of as mesh_spec

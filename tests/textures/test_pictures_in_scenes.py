@@ -19,8 +19,8 @@ from alight.integrators.walk import make_settings
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
 from alight.outputs.texels import STRIP, decode_texels, reusing_memory
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import content_hash, flatten
 from alight.scene.files import Files
 from alight.scene.images import loaded, read_image

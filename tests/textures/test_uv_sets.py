@@ -16,8 +16,8 @@ from alight.core.uv_sets import NO_SET, UV_SETS
 from alight.films import fixed_point
 from alight.formats import load, loads, save
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from alight.shapes.mesh import Mesh
 

@@ -16,9 +16,9 @@ from alight.core.spec import Camera
 from alight.films import CELL_SIZE
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.walk import Settings, make_settings
-from alight.rendering.tile import Kernels, Scratch, make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
-from alight.rendering.tiles import SMALL, tiles_of
+from alight.rendering.tiles.division import SMALL, tiles_of
+from alight.rendering.tiles.tile import Kernels, Scratch, make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 
 #: Pixels of a side of the cube.
 FACE = 64

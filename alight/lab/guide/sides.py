@@ -13,7 +13,7 @@ from alight.integrators.guided import mixed
 from alight.lab.guide.hemisphere import Hemisphere, hemisphere
 from alight.lab.guide.incidence import HALVES, arriving_light
 from alight.lab.guide.vertex import ScatteringVertex
-from alight.rendering.trainer import framed
+from alight.rendering.training.trainer import framed
 from lanewise.view import View
 
 #: Pixels across the disks.

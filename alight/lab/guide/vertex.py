@@ -16,8 +16,8 @@ from alight.guiding.lookup import direction_density, place_at
 from alight.guiding.tables import Guide
 from alight.integrators.walk import to_local
 from alight.lab.guide.hemisphere import hemisphere
-from alight.rendering.observation import lane_of, lanes_of
-from alight.rendering.observed_sample import SurfaceNames, observe_sample, path_of
+from alight.rendering.tracing.observation import lane_of, lanes_of
+from alight.rendering.tracing.observed_sample import SurfaceNames, observe_sample, path_of
 from alight.scene import Scene
 from alight.shapes.hit import Surface, spawn_origin
 from lanewise.jit import instantiate

@@ -32,8 +32,8 @@ from alight.integrators.contributions import BY_BSDF, BY_DELTA, BY_LIGHT, SEEN, 
 from alight.laws.scene.check import material_names
 from alight.laws.scene.pictures import small
 from alight.options.laboratory import WhyOptions
-from alight.rendering.contributions import Contributions, Recorder
 from alight.rendering.resources import usable_processors
+from alight.rendering.tracing.contributions import Contributions, Recorder
 from alight.scene import Scene, flatten
 from alight.scene.flatten import FlatScene
 from alight.shapes.hit import INFO as SHAPE_INFO

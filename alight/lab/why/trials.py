@@ -19,7 +19,7 @@ import numpy as np
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Spec
-from alight.integrators.chain_types import has_chains
+from alight.integrators.caustics.chain_types import has_chains
 from alight.integrators.contributions import BY_LIGHT
 from alight.lab.statistics import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights

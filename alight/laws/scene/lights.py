@@ -31,7 +31,7 @@ from alight.lights.hits import light_pdf
 from alight.lights.misses import environment_pdf
 from alight.lights.model import LIGHTS
 from alight.lights.sampling import sample_light
-from alight.lights.tree import choose_by_tree
+from alight.lights.tree.traversal import choose_by_tree
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate, kernel

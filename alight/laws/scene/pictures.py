@@ -29,9 +29,9 @@ from alight.laws.scene.findings import Finding
 from alight.laws.statistics import chi_square_tail
 from alight.metrics.statistics import student_t_tail, t_to_z, welch
 from alight.rendering.resources import usable_processors
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
-from alight.rendering.tiles import tiles_of
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import Scene, flatten
 from alight.scene.flatten import FlatScene
 from alight.textures.images import Image

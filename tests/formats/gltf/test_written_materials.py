@@ -12,8 +12,8 @@ from alight.films import fixed_point
 from alight.formats import load, loads
 from alight.formats.gltf.write import write
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from tests.formats.gltf.written import GREY, SQUARE, again
 

@@ -7,8 +7,8 @@ from alight.compiled.scene import compile_scene
 from alight.films import fixed_point
 from alight.formats.pbrt.media import COVERED
 from alight.integrators.walk import make_settings
-from alight.rendering.tile import make_kernels, render_tile
-from alight.rendering.tile_kernel import Tile
+from alight.rendering.tiles.tile import make_kernels, render_tile
+from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import flatten
 from tests.formats.pbrt.reading import HEAD, messages, native, node, read, read_old
 

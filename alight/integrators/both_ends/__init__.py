@@ -1,0 +1,1 @@
+"""Paths from both ends: light subpaths, camera subpaths, and how they are joined."""

@@ -1,0 +1,1 @@
+"""What happens to paths between surfaces: media, bodies that scatter or absorb."""

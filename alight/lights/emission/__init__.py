@@ -1,0 +1,1 @@
+"""Rays of light that leave the lights, where light paths begin."""

@@ -1,0 +1,1 @@
+"""The light tree: chooses a light for a point."""

@@ -1,0 +1,1 @@
+"""Checkpoints: written while a picture is rendered, and gone on from."""

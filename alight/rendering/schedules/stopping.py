@@ -1,0 +1,317 @@
+r"""Stopping at an error: the promise, the looks, and the final verdict.
+
+A look at a film asks for the error that the true one does not exceed. Looks may be as many as they
+like, because the error falls while one waits. Call :math:`\sigma` the deviation of the estimated
+error's logarithm. A render can only be ended too early by a look that comes before the error is
+reached: the m-th of these, counted backwards, finds a true error that is :math:`g^m` times too
+large, g being the growth from look to look, and has to be wrong by so much more:
+
+.. math:: P \le 1 - \prod_{m \ge 0} \Phi(z + m \log(g) / \sigma)
+
+If looks were independent, the product would be the probability that all are right. Each holds the
+samples of those before it, so they are positively correlated, and all are right at least as often
+(Slepian 1962). With half of the doubt for each look the bound stays below the doubt up to
+:math:`\sigma = 0.73` for every confidence from 50 %, and up to 0.87 for 95 %.
+
+Under the metric "pixel" a look is wrong if fewer of the pixels than estimated happen to be within
+the error; that, too, may have half of the doubt.
+
+Light that has hardly been seen yet is in no error estimate, so there is a second figure, the unseen
+energy, which has to be as small. `docs/known-error.md` has how often the promise was kept.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from statistics import NormalDist
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from alight.films import Film
+from alight.metrics.own_error import estimate_relmse
+from alight.options.render import PromiseOptions
+from alight.rendering.schedules.unseen import cell_sum, spread_over_pixels, unseen_error
+
+#: Samples per pixel at the first look, and their growth from look to look.
+FIRST_LOOK, GROWTH = 16, 1.25
+
+#: A pixel's own variance has R - 1 degrees of freedom; that of its cell counts as so many more, so
+#: that R = 4 gives Student's distribution with 8.
+_CELL_FREEDOM = 5.0
+
+#: Largest relRMSE that is told: 1000 %.
+LARGEST_TOLD = 10.0
+
+#: Times the samples so far of which no number is told.
+_FAR = 1e4
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What a picture shall be when its render ends.
+
+    Parameters
+    ----------
+    error : float
+        Largest relRMSE, or under "pixel" the largest error of a pixel over max(pixel, 0.1 times
+        the mean of the picture); in (0, 10].
+    confidence : float, default 0.95
+        Of the statement that it is.
+    metric : {"relrmse", "pixel"}
+    share : float, default 0.95
+        Of the pixels (and channels) that are expected to be within `error`, under "pixel".
+
+    Raises
+    ------
+    OptionError
+        If a number is out of its range, or the metric is unknown.
+    """
+
+    error: float
+    confidence: float = 0.95
+    metric: Literal["relrmse", "pixel"] = "relrmse"
+    share: float = 0.95
+
+    def __post_init__(self) -> None:
+        for name, one in PromiseOptions.options().items():
+            object.__setattr__(self, name, one.check(getattr(self, name)))
+
+    @property
+    def doubt(self) -> float:
+        """Probability that one look may be wrong: half of that of all looks together."""
+        return 0.5 * (1.0 - self.confidence)
+
+    def state(self) -> dict[str, Any]:
+        """Copy the fields."""
+        return asdict(self)
+
+
+class Judgement(NamedTuple):
+    """What one look says.
+
+    Attributes
+    ----------
+    achieved : float
+        The error that is not exceeded, with the confidence of this look; NaN means unknown.
+    share : float
+        Of the pixels within the error, at least, with the confidence of this look; NaN under
+        "relrmse".
+    unseen : float
+        relRMSE that events may add of which no sample has told yet: see `Unseen.figure`.
+    doubtful : float
+        Share of the 8x8 cells in which those events alone exceed the error.
+    bound : float
+        `Unseen.bound`, a bound of the same; NaN where there is none.
+    within, met : bool
+        Whether the estimated error is small enough; and the unseen energy, too.
+    factor : float
+        Times the samples so far that the promise needs; 1 if it is kept.
+    doubted : bool, default False
+        Whether only the brightness of noisy pixels, of which too little is known, stands between
+        the estimated error and the promise.
+    value : float, default NaN
+        The estimated relRMSE.
+    """
+
+    achieved: float
+    share: float
+    unseen: float
+    doubtful: float
+    bound: float
+    within: bool
+    met: bool
+    factor: float
+    doubted: bool = False
+    value: float = math.nan
+
+
+def first_look(replicates: int) -> int:
+    """Samples per pixel at the first look: whole rounds of the replicates."""
+    return replicates * max(math.ceil(FIRST_LOOK / replicates), 2)
+
+
+def next_look(spp: int, replicates: int) -> int:
+    """Samples per pixel at the look after that at `spp`."""
+    return replicates * math.ceil(GROWTH * spp / replicates)
+
+
+def judge(film: Film, promise: Promise) -> Judgement:
+    """Look at a film whose pixels hold whole rounds of all replicates.
+
+    Parameters
+    ----------
+    film : Film
+    promise : Promise
+    """
+    return judge_means(*film.replicate_means(), promise, film.largest_sample)
+
+
+def judge_means(
+    means: np.ndarray,
+    counts: np.ndarray,
+    promise: Promise,
+    largest: float | None = None,
+) -> Judgement:
+    """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates.
+
+    `largest` bounds the value of a sample, if that is known.
+    """
+    estimate = estimate_relmse(means, counts)
+    if math.isnan(estimate.figure.value):
+        return Judgement(
+            achieved=math.nan,
+            share=math.nan,
+            unseen=math.nan,
+            doubtful=1.0,
+            bound=math.nan,
+            within=False,
+            met=False,
+            factor=math.inf,
+        )
+    achieved = estimate.relrmse_below(1.0 - promise.doubt)
+    share, doubted = math.nan, False
+    if promise.metric == "relrmse":
+        within = achieved <= promise.error
+        sure = estimate.figure._replace(brightness=0.0, rise=0.0).quantile(1.0 - promise.doubt)
+        doubted = not within and sure <= promise.error**2
+        factor = (achieved / promise.error) ** 2
+    else:
+        share = share_within(means, counts, promise.error, promise.doubt)
+        within = share >= promise.share
+        # The samples at which errors smaller by their root would be within.
+        factor = 1.0
+        while factor < 1e9 and promise.share > share_within(
+            means, counts, promise.error * math.sqrt(factor), promise.doubt
+        ):
+            factor *= 1.1
+    unseen = unseen_error(means, counts, promise.error, largest)
+    met = within and unseen.figure <= promise.error
+    # What is unseen falls with the samples, not with their root.
+    factor = 1.0 if met else max(factor, unseen.figure / promise.error, 1.0)
+    return Judgement(
+        achieved=achieved,
+        share=share,
+        unseen=unseen.figure,
+        doubtful=unseen.doubtful,
+        bound=unseen.bound,
+        within=within,
+        met=met,
+        factor=factor,
+        doubted=doubted,
+        value=math.sqrt(estimate.figure.value),
+    )
+
+
+def share_within(means: np.ndarray, counts: np.ndarray, error: float, doubt: float) -> float:
+    """Find the share of the pixels that are within an error, but for a probability of `doubt`.
+
+    Each pixel's variance is its own with R - 1 degrees of freedom, joined with the relative
+    variance of its cell, which counts as 5 more: one pixel's few replicates can agree by chance.
+    How many of the pixels are within varies by no more than the binomial distribution of the
+    expected share does (Hoeffding 1956).
+
+    Parameters
+    ----------
+    means : ndarray, shape (h, w, R, 3)
+    counts : ndarray of int, shape (h, w, R)
+    error : float
+        Allowed, over max(pixel, 0.1 times the mean of the picture).
+    doubt : float
+        Probability that the share is smaller, in (0, 0.5].
+    """
+    h, w, replicates, _ = means.shape
+    n = np.maximum(counts.sum(axis=2), 1)[..., None]
+    mean = (means * counts[..., None]).sum(axis=2) / n
+    deviations = counts[..., None] * (means - mean[:, :, None]) ** 2
+    squares = deviations.sum(axis=2) / max(replicates - 1, 1) / n
+    scale = np.maximum(mean, 0.1 * float(mean.mean()))
+    relative = squares / scale**2
+    pixels = cell_sum(np.ones((h, w)))[..., None]
+    pooled = spread_over_pixels(cell_sum(relative) / pixels, h, w)
+    own = replicates - 1.0
+    joined = (own * relative + _CELL_FREEDOM * pooled) / (own + _CELL_FREEDOM)
+    with np.errstate(divide="ignore"):
+        t = np.where(joined > 0.0, error / np.sqrt(joined), np.inf)
+    share = float(_inside(t).mean())
+    z = -NormalDist().inv_cdf(doubt)
+    return share - z * math.sqrt(max(share * (1.0 - share), 0.0) / (h * w))
+
+
+def _inside(t: np.ndarray) -> np.ndarray:
+    """P(|T| <= t) of Student's distribution with 8 degrees of freedom (A&S 26.7.4)."""
+    cosine2 = 1.0 / (1.0 + t * t / 8.0)
+    series = 1.0 + cosine2 * (0.5 + cosine2 * (0.375 + cosine2 * 0.3125))
+    return np.sqrt(1.0 - cosine2) * series
+
+
+def line_of(
+    word: str, judgement: Judgement, promise: Promise, spp: float, seconds: float | None = None
+) -> str:
+    """Write the one line that a render ends with.
+
+    Parameters
+    ----------
+    word : {"met", "not met", "not certifiable"}
+    judgement : Judgement
+    promise : Promise
+    spp : float
+        Samples per pixel so far.
+    seconds : float, optional
+        Spent on them.
+    """
+    asked = f"{100 * promise.error:.4g} %"
+    sure = f"{100 * promise.confidence:.4g} % confidence"
+    if promise.metric == "relrmse":
+        bounded = judgement.achieved <= LARGEST_TOLD
+        reached = f"relRMSE at most {100 * judgement.achieved:.3g} %" if bounded else (
+            f"relRMSE about {100 * judgement.value:.3g} %, but without a useful bound"
+        )  # fmt: skip
+    else:
+        reached = f"{100 * judgement.share:.3g} % of the pixels within {asked}"
+    if word == "met":
+        bounded = judgement.bound <= promise.error
+        kind = "bound" if bounded else "indicator"
+        figure = judgement.bound if bounded else judgement.unseen
+        unseen = f"unseen light {100 * figure:.2g} % ({kind})"
+        return f"met: {reached} ({sure}, {spp:.4g} spp), {unseen}"
+    if word == "not met":
+        more = (judgement.factor - 1.0) * (spp if seconds is None else seconds)
+        unit = "spp" if seconds is None else "s"
+        if judgement.factor > _FAR:
+            return f"not met: {reached}, asked {asked}; far more samples are needed"
+        return f"not met: {reached}, asked {asked}; about {_told(more)} {unit} more are needed"
+    if math.isnan(judgement.achieved):
+        return "not certifiable: no light has been seen, or there is a single replicate"
+    if judgement.doubted:
+        return (
+            f"not certifiable: relRMSE about {100 * judgement.value:.3g} %, asked {asked}, but too "
+            "little is known of the brightness of the noisiest pixels"
+        )
+    return (
+        f"not certifiable: {reached}, but in {100 * judgement.doubtful:.3g} % of the picture rare "
+        f"bright samples may hide more than {asked}"
+    )
+
+
+def early_line(judgement: Judgement, promise: Promise, look: int) -> str:
+    """Write the line of a render whose time ended between two looks, with an error within reach."""
+    return (
+        f"not met: the time ended before the look at {look} spp; relRMSE about "
+        f"{100 * judgement.value:.3g} % so far, asked {100 * promise.error:.4g} %"
+    )
+
+
+def _told(number: float) -> str:
+    """Three digits, never as a power of ten."""
+    return f"{number:.3g}" if number < 100.0 else f"{float(f'{number:.3g}'):,.0f}"
+
+
+def word_of(judgement: Judgement) -> str:
+    """Name the end of a render whose budget is spent."""
+    if judgement.met:
+        return "met"
+    if judgement.within or judgement.doubted or math.isnan(judgement.achieved):
+        return "not certifiable"
+    return "not met"

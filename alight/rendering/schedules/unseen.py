@@ -1,0 +1,114 @@
+"""Unseen light: the relRMSE of events that no sample has met yet."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from alight.films import CELL_SIZE, Film
+
+#: With no event among N samples, its probability is below 3 / N with 95 % confidence.
+_RULE_OF_THREE = 3.0
+
+
+def cell_sum(plane: np.ndarray) -> np.ndarray:
+    """Sum of each 8x8 pixels, float64, for planes (h, w, ...)."""
+    y, x = range(0, plane.shape[0], CELL_SIZE), range(0, plane.shape[1], CELL_SIZE)
+    return np.add.reduceat(np.add.reduceat(plane, y, axis=0, dtype=np.float64), x, axis=1)
+
+
+def spread_over_pixels(cells: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Give every pixel the value of its cell."""
+    rows, columns = np.arange(height) // CELL_SIZE, np.arange(width) // CELL_SIZE
+    return cells[rows][:, columns]
+
+
+class Unseen(NamedTuple):
+    """relRMSE of light that no sample has told of yet.
+
+    Attributes
+    ----------
+    indicator : float
+        If an unseen event is as bright as the largest contribution seen in its cell.
+    bound : float
+        If it is as bright as a sample can be; NaN where that is not known.
+    doubtful : float
+        Share of the picture in whose cells the smaller of both exceeds the error.
+    """
+
+    indicator: float
+    bound: float
+    doubtful: float
+
+    @property
+    def figure(self) -> float:
+        """The smaller one."""
+        return min(self.indicator, math.inf if math.isnan(self.bound) else self.bound)
+
+
+def unseen_of(film: Film) -> Unseen:
+    """`unseen_error` of a film; `doubtful` against an error of 1 %."""
+    return unseen_error(*film.replicate_means(), 0.01, film.largest_sample)
+
+
+def unseen_error(
+    means: np.ndarray, counts: np.ndarray, error: float, largest: float | None = None
+) -> Unseen:
+    """Estimate the relRMSE of light that no sample has told of yet.
+
+    An event that none of the k n samples of a cell's k pixels has met has a probability below
+    3 / (k n). If it brings c, up to 3 c / (k n) of each pixel's light is missing. For a bound c is
+    `largest`. For the indicator it is the largest contribution seen in the cell: what one
+    replicate's sum has more than the others say, at least the largest sample if that stands out.
+    If any replicate is negative, samples have both signs (filters with negative lobes), and what
+    one has less counts as well.
+
+    Parameters
+    ----------
+    means : ndarray, shape (h, w, R, 3)
+    counts : ndarray of int, shape (h, w, R)
+    error : float
+        For `Unseen.doubtful`.
+    largest : float, optional
+        No sample can be larger (`alight.rendering.schedules.largest_sample`).
+    """
+    n = counts.sum(axis=2)
+    height, width = n.shape
+    # Where samples have both signs, what is missing may be as far below as above.
+    signed = bool((means < 0.0).any())
+    bright, most = [], []
+    total = 0.0
+    # Whole rows of cells at a time: the planes of a replicate stay in the processor's cache.
+    for y in range(0, height, CELL_SIZE):
+        rows = slice(y, y + CELL_SIZE)
+        m = np.ascontiguousarray(means[rows].transpose(2, 3, 0, 1), np.float32)
+        k = np.ascontiguousarray(counts[rows].transpose(2, 0, 1)[:, None], np.float32)
+        sums = k.sum(axis=0)
+        mean = (m * k).sum(axis=0) / np.maximum(sums, 1.0)
+        excess = (m - mean) * (k * sums / np.maximum(sums - k, 1.0))
+        if signed:
+            np.abs(excess, out=excess)
+        columns = range(0, width, CELL_SIZE)
+        most.append(np.maximum.reduceat(excess.max(axis=(0, 2)), columns, axis=1))
+        bright.append(np.add.reduceat(mean.sum(axis=1), columns, axis=1))
+        total += float(mean.sum(dtype=np.float64))
+    samples = np.maximum(cell_sum(n), 1.0)
+    pixels = cell_sum(np.ones(n.shape))
+    epsilon = (0.1 * total / (3 * n.size)) ** 2
+    scale = (np.stack(bright, axis=1) / pixels) ** 2 + epsilon
+    weights = pixels / pixels.sum()
+    seen = _missing(np.maximum(np.stack(most, axis=1), 0.0), samples, scale)
+    indicator = math.sqrt(float((seen * weights).sum()))
+    if largest is None:
+        return Unseen(indicator, math.nan, float(weights[seen > error**2].sum()))
+    possible = _missing(np.float64(largest), samples, scale)
+    bound = math.sqrt(float((possible * weights).sum()))
+    smaller = np.minimum(seen, possible)
+    return Unseen(indicator, bound, float(weights[smaller > error**2].sum()))
+
+
+def _missing(brightest: np.ndarray, samples: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """relMSE of each cell if events so bright are missing, from planes (3, ...) and counts."""
+    return ((_RULE_OF_THREE * brightest / samples) ** 2 / np.maximum(scale, 1e-300)).mean(axis=0)

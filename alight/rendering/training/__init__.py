@@ -1,0 +1,1 @@
+"""Training a guide before the picture is rendered."""
