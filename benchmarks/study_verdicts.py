@@ -21,8 +21,9 @@ from scipy import stats
 
 import alight
 from alight.bsdfs import diffuse
+from alight.core.field_types import Reflectance
 from alight.core.noise_only import NoiseOnly
-from alight.core.spec import Bsdf, Reflectance
+from alight.core.spec import Bsdf
 from alight.lab.results import BIASED, DISPUTED, ArmResult
 from alight.lab.run import run_study
 from alight.lab.study import ArmSpec, SceneSpec, Study

@@ -13,8 +13,9 @@ from typing import Annotated, Literal, NamedTuple
 import alight
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_TWO_PI
+from alight.core.fields import Interval
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, Interval
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 from alight.core.warps import direction_around_z
 from alight.textures.fetch import Scalar

@@ -20,7 +20,9 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from alight.core.spec import Bsdf, Interval, Reflectance
+from alight.core.field_types import Reflectance
+from alight.core.fields import Interval
+from alight.core.spec import Bsdf
 
 #: What programs call a material that absorbs inside.
 ABSORBING = "absorbing"

@@ -16,7 +16,7 @@ from typing import ClassVar, Literal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.mirror import Mirror
 from alight.bsdfs.nesting import Nested, Part
-from alight.core.spec import NestedBsdfs, UnitTexture
+from alight.core.field_types import NestedBsdfs, UnitTexture
 
 
 class Blend(Nested):

@@ -19,8 +19,10 @@ from typing import Annotated, ClassVar, Literal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.relief import HEIGHTS, IS_HEIGHT, BumpMapRow, map_features, packed_modes
+from alight.core.field_types import NestedBsdf
+from alight.core.fields import Interval, NumberOrTexture, Truth
 from alight.core.parameters import slots_of
-from alight.core.spec import Interval, NestedBsdf, NumberOrTexture, Texture, Truth
+from alight.core.spec import Texture
 from alight.textures import VARYING
 
 Height = Annotated[float | Texture | str, NumberOrTexture(Interval(), other=(str, Texture))]

@@ -44,12 +44,13 @@ from typing import Literal, NamedTuple
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
+from alight.core.field_types import ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric, fresnel_schlick
 from alight.core.maths import exp, log, sincos_2pi
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
 from alight.core.parameters import loader, reader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, dot, lerp, luminance, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import (

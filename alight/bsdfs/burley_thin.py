@@ -33,11 +33,12 @@ from alight.bsdfs.burley import (
 from alight.bsdfs.burley import features as features
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
+from alight.core.field_types import ColorTexture, IndexOfRefraction, UnitTexture
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import ggx_density, ggx_visible_area, sample_ggx_visible
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, UnitTexture
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, dot, lerp, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import (

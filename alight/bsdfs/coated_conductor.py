@@ -37,10 +37,10 @@ from alight.bsdfs.interface import MEDIA, Medium
 from alight.bsdfs.layered import CHANCE, CURVES, SCALE, Layers, lobe_alpha, rounds
 from alight.bsdfs.rows import rows_at, rows_in_slots
 from alight.core.constants import INV_PI
+from alight.core.fields import Interval, invalid
 from alight.core.fresnel import cos_transmitted, fresnel_dielectric
 from alight.core.microfacet import Facets, ggx_density, ggx_visible_area, sample_ggx_visible
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Interval, invalid
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect, renormalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import PlainColor, Scalar

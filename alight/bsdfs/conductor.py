@@ -24,17 +24,11 @@ from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
 from alight.bsdfs.tints import WHITE, Tint, tint_features
 from alight.core.errors import unknown_name
+from alight.core.field_types import Color, ColorTexture, PositiveColor, Triple
+from alight.core.fields import invalid
 from alight.core.fresnel import fresnel_conductor
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import (
-    Bsdf,
-    Color,
-    ColorTexture,
-    PositiveColor,
-    Triple,
-    invalid,
-    largest_channel,
-)
+from alight.core.spec import Bsdf, largest_channel
 from alight.core.vec import Vec3
 from alight.textures.fetch import PlainColor
 from lanewise.jit import kernel

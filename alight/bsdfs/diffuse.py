@@ -24,9 +24,10 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
+from alight.core.field_types import ColorTexture
 from alight.core.noise_only import NoiseOnly
 from alight.core.parameters import Slots, loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, largest_channel
+from alight.core.spec import Bsdf, largest_channel
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
 from alight.textures.fetch import TexturedColor, scalar
 from lanewise.jit import kernel, specialised

@@ -21,8 +21,9 @@ from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_PI
+from alight.core.field_types import ColorTexture
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, luminance
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import TexturedColor

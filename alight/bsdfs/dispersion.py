@@ -36,8 +36,8 @@ from pydantic_core import PydanticCustomError
 
 from alight.bsdfs.interface import Interface
 from alight.core.errors import show_value, unknown_name
+from alight.core.fields import Interval, invalid
 from alight.core.parameters import Slots
-from alight.core.spec import Interval, invalid
 from alight.core.wavelengths import DISPERSIVE, LINE_C, LINE_D, LINE_F, LONGEST, SHORTEST
 from alight.textures.fetch import scalar
 from lanewise.jit import kernel, specialised

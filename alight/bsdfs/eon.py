@@ -27,9 +27,10 @@ from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
+from alight.core.field_types import ColorTexture, UnitTexture
 from alight.core.maths import arccos
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, UnitTexture
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import TexturedColor, TexturedScalar

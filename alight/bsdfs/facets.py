@@ -10,9 +10,11 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
+from alight.core.field_types import SMOOTHEST
+from alight.core.fields import Interval, NumberOrTexture, invalid
 from alight.core.microfacet import FEATURES, Facets
 from alight.core.parameters import Slots, loader, slots_of
-from alight.core.spec import SMOOTHEST, Bsdf, Interval, NumberOrTexture, Texture, invalid
+from alight.core.spec import Bsdf, Texture
 from alight.textures.fetch import Scalar, TexturedScalar
 from lanewise.jit import kernel, specialised
 from lanewise.simd import maximum

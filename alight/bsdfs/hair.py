@@ -39,12 +39,13 @@ from pydantic import model_validator
 from alight.bsdfs.fibre_lobes import logistic, longitudinal, sample_logistic
 from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.core.constants import INV_TWO_PI, PI, TWO_PI
-from alight.core.fields import Interval
+from alight.core.field_types import Color, IndexOfRefraction, NonNegative, Reflectance
+from alight.core.fields import Interval, invalid
 from alight.core.frame import mirrored_if
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.maths import arcsin, arctan2, exp, log, sincos, sincos_2pi
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, Color, IndexOfRefraction, NonNegative, Reflectance, invalid
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, quotient
 from alight.textures.fetch import PlainColor, Scalar
 from lanewise.jit import kernel

@@ -8,8 +8,10 @@ from pydantic import BeforeValidator
 
 from alight.bsdfs.tints import WHITE, Tint, tint_features
 from alight.core.errors import unknown_name
+from alight.core.field_types import ColorTexture, IndexOfRefraction
+from alight.core.fields import invalid
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, IndexOfRefraction, invalid
+from alight.core.spec import Bsdf
 from alight.textures.fetch import Scalar
 from lanewise.jit import kernel
 

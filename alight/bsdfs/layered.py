@@ -37,9 +37,9 @@ from numpy.typing import NDArray
 
 from alight.bsdfs.albedo_rows import FEWER, LEAST_ALPHA, STEPS
 from alight.bsdfs.visible_facets import LATTICE, Seen, see_facets
+from alight.core.field_types import Triple
 from alight.core.fresnel import fresnel_conductor, fresnel_dielectric
 from alight.core.microfacet import Facets
-from alight.core.spec import Triple
 from lanewise.vec3 import Vec3
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from typing import ClassVar, Literal
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.null import Null
-from alight.core.spec import NestedBsdf, UnitTexture
+from alight.core.field_types import NestedBsdf, UnitTexture
 
 
 class Mask(Nested):

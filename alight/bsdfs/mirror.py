@@ -14,8 +14,9 @@ from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.dirac import evaluate as evaluate
 from alight.bsdfs.flags import DELTA, REFLECTION
+from alight.core.field_types import ColorTexture
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, largest_channel
+from alight.core.spec import Bsdf, largest_channel
 from alight.core.vec import Vec3
 from alight.textures.fetch import TexturedColor
 from lanewise.jit import kernel

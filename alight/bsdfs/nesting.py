@@ -13,7 +13,8 @@ from typing import ClassVar, NamedTuple, Self
 from pydantic import model_validator
 
 from alight.bsdfs.model import BSDFS
-from alight.core.spec import Bsdf, invalid, largest_of
+from alight.core.fields import invalid
+from alight.core.spec import Bsdf, largest_of
 
 #: Most leaves of a material: kernels visit them one after the other.
 MOST_LEAVES = 32

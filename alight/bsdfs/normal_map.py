@@ -30,8 +30,10 @@ from alight.bsdfs.relief import (
     packed_modes,
 )
 from alight.bsdfs.rough_conductor import RoughConductor
+from alight.core.field_types import ColorTexture, NestedBsdf, NonNegative
+from alight.core.fields import Truth
 from alight.core.parameters import slots_of
-from alight.core.spec import ColorTexture, NestedBsdf, NonNegative, Texture, Truth
+from alight.core.spec import Texture
 
 
 class NormalMap(Nested):

@@ -24,8 +24,10 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
+from alight.core.field_types import ColorTexture
+from alight.core.fields import Interval
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, Interval
+from alight.core.spec import Bsdf
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import Scalar, TexturedColor
 from lanewise.jit import kernel

@@ -21,10 +21,12 @@ from pydantic import model_validator
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI, INV_TWO_PI
 from alight.core.energy import energy_problem
+from alight.core.field_types import ColorTexture, ScalarTexture
+from alight.core.fields import invalid
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.maths import exp, expm1, log1p
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, ScalarTexture, invalid
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, length_squared, luminance, quotient
 from alight.core.warps import direction_around_z, square_to_cosine_hemisphere
 from alight.textures.fetch import TexturedColor, TexturedScalar

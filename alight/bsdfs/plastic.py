@@ -28,9 +28,11 @@ from alight.bsdfs.coating import (
 from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH, REFLECTION
 from alight.bsdfs.interface import MEDIA, Medium
 from alight.core.constants import INV_PI
+from alight.core.field_types import ColorTexture
+from alight.core.fields import Truth
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture, Truth
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import Scalar, TexturedColor

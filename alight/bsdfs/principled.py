@@ -71,16 +71,10 @@ from alight.bsdfs.principled_view import COAT_IOR
 from alight.bsdfs.rows import MANY_ROWS
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows
+from alight.core.field_types import ColorTexture, IndexOfRefraction, UnitTexture
+from alight.core.fields import Interval, NumberOrTexture, Truth
 from alight.core.parameters import loader, reader, slots_of
-from alight.core.spec import (
-    ColorTexture,
-    IndexOfRefraction,
-    Interval,
-    NumberOrTexture,
-    Texture,
-    Truth,
-    UnitTexture,
-)
+from alight.core.spec import Texture
 from lanewise.jit import kernel
 from lanewise.simd import where
 

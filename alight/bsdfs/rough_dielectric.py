@@ -39,10 +39,10 @@ from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.bsdfs.interface import albedo as albedo
 from alight.bsdfs.interface import relative_ior as relative_ior
 from alight.bsdfs.tints import Tint
+from alight.core.fields import invalid
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import facet_density, sample_visible_facet, visible_area
 from alight.core.parameters import loader, reader, slots_of
-from alight.core.spec import invalid
 from alight.core.vec import Vec3, dot, normalize, reflect, renormalize
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes_u32, maximum, where

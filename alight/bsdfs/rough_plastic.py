@@ -32,6 +32,7 @@ from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.plastic import Coated, pack_coat
 from alight.bsdfs.rows import MANY_ROWS, rows_in_slots
 from alight.core.constants import INV_PI
+from alight.core.field_types import SMOOTHEST, Roughness
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import (
     FEATURES,
@@ -41,7 +42,7 @@ from alight.core.microfacet import (
     visible_area,
 )
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import SMOOTHEST, Roughness, Texture
+from alight.core.spec import Texture
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import (

@@ -51,6 +51,14 @@ from alight.bsdfs.model import Inside
 from alight.bsdfs.rows import rows_at, rows_in_slots
 from alight.bsdfs.visible_facets import bounce, see_facets
 from alight.core.constants import INV_PI
+from alight.core.field_types import (
+    SMOOTHEST,
+    ColorTexture,
+    IndexOfRefraction,
+    Positive,
+    PositiveColor,
+    UnitInterval,
+)
 from alight.core.fresnel import fresnel_dielectric
 from alight.core.microfacet import (
     FEATURES,
@@ -60,15 +68,7 @@ from alight.core.microfacet import (
     visible_area,
 )
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import (
-    SMOOTHEST,
-    Bsdf,
-    ColorTexture,
-    IndexOfRefraction,
-    Positive,
-    PositiveColor,
-    UnitInterval,
-)
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, dot, normalize, quotient, reflect
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import PlainColor, Scalar, TexturedColor

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+from alight.core.field_types import Triple
 from alight.core.parameters import Slots
-from alight.core.spec import Texture, Triple
+from alight.core.spec import Texture
 from alight.textures.fetch import color
 from lanewise.jit import kernel, specialised
 from lanewise.simd import lanes_vec3

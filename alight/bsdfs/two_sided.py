@@ -20,7 +20,8 @@ from pydantic import model_validator
 from alight.bsdfs.blend import Blend
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part, find_transmissive
-from alight.core.spec import NestedBsdf, invalid
+from alight.core.field_types import NestedBsdf
+from alight.core.fields import invalid
 
 
 class TwoSided(Nested):

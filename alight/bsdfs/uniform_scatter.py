@@ -17,8 +17,9 @@ from typing import ClassVar, Literal, NamedTuple
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_TWO_PI
+from alight.core.field_types import ColorTexture
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Bsdf, ColorTexture
+from alight.core.spec import Bsdf
 from alight.core.warps import square_to_uniform_hemisphere
 from alight.textures.fetch import TexturedColor
 from lanewise.jit import kernel

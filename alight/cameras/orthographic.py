@@ -22,7 +22,8 @@ from alight.cameras.table import (
     film_offset,
     vector,
 )
-from alight.core.spec import Camera, Positive
+from alight.core.field_types import Positive
+from alight.core.spec import Camera
 from lanewise.jit import kernel
 from lanewise.simd import lanes_vec3
 

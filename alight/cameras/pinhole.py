@@ -18,7 +18,8 @@ from typing import Literal
 from alight.cameras.basis import camera_table, perspective_half_extents
 from alight.cameras.connection import connect_far_point, connect_point
 from alight.cameras.table import DOWN, FORWARD, ORIGIN, RIGHT, film_offset, vector
-from alight.core.spec import Camera, FieldOfView
+from alight.core.field_types import FieldOfView
+from alight.core.spec import Camera
 from alight.core.vec import normalize
 from lanewise.jit import kernel
 from lanewise.simd import lanes_vec3

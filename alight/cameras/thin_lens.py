@@ -28,7 +28,8 @@ from alight.cameras.table import (
     film_offset,
     vector,
 )
-from alight.core.spec import Camera, FieldOfView, NonNegative, Positive
+from alight.core.field_types import FieldOfView, NonNegative, Positive
+from alight.core.spec import Camera
 from alight.core.vec import normalize
 from alight.core.warps import square_to_disk_concentric
 from lanewise.jit import kernel

@@ -12,7 +12,8 @@ from alight.compiled.light_gain import even_groups, points_on_surfaces
 from alight.compiled.shapes import CompiledShapes
 from alight.core.constants import PI
 from alight.core.distributions import cumulative
-from alight.core.spec import Light, Triple
+from alight.core.field_types import Triple
+from alight.core.spec import Light
 from alight.core.vec import luminance
 from alight.lights.bright_disk import Disk
 from alight.lights.tree.build import build_tree

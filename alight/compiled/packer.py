@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from alight.core.errors import AlightError
-from alight.core.spec import Texture, Triple
+from alight.core.field_types import Triple
+from alight.core.spec import Texture
 from alight.core.vec import luminance
 from lanewise.vec3 import Vec3
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from alight.core.spec import Texture, Triple
+from alight.core.field_types import Triple
+from alight.core.spec import Texture
 
 
 def energy_problem(**parts: Triple | Texture | str) -> str | None:

@@ -10,15 +10,18 @@ import math
 import numbers
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Strict
 from pydantic_core import PydanticCustomError, core_schema
 
 from alight.core.errors import show_value
 
 LARGEST = 1e15
 SMALLEST = 1e-15
+
+Truth = Annotated[bool, Strict()]
 
 
 def invalid(message: str) -> PydanticCustomError:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Annotated
 
-from alight.core.spec import Interval
+from alight.core.fields import Interval
 from lanewise.jit import kernel, specialised
 from lanewise.simd import any_lane, gather, gather_row, to_uint, where
 

@@ -13,8 +13,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from alight.core.field_types import FilterRadius
 from alight.core.maths import exp
-from alight.core.spec import Filter, FilterRadius
+from alight.core.spec import Filter
 from alight.filters.inverse_cdf import LENGTH, sample_separable, tabulate
 from lanewise.jit import kernel
 from lanewise.simd import absolute, maximum, where

@@ -18,7 +18,8 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.spec import Filter, FilterRadius, UnitInterval
+from alight.core.field_types import FilterRadius, UnitInterval
+from alight.core.spec import Filter
 from alight.filters.inverse_cdf import LENGTH, sample_separable, tabulate
 from lanewise.jit import kernel
 from lanewise.simd import absolute, where

@@ -11,7 +11,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.spec import Filter, FilterRadius
+from alight.core.field_types import FilterRadius
+from alight.core.spec import Filter
 from lanewise.jit import kernel
 from lanewise.simd import absolute, lanes, maximum, sqrt, where
 

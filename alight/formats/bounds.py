@@ -28,7 +28,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alight.cameras.basis import perspective_half_extents
-from alight.core.spec import Model, Shape
+from alight.core.fields import Model
+from alight.core.spec import Shape
 from alight.scene.build import Builder
 from alight.scene.motion import Motion
 from alight.shapes.arrays import TriangleShape

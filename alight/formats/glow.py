@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from alight.core.constants import LUMINANCE
 from alight.core.errors import SceneError
-from alight.core.spec import Model
+from alight.core.fields import Model
 from alight.formats.bounds import Bounds
 from alight.scene.build import Builder
 from alight.scene.files import Files

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.spec import invalid
+from alight.core.fields import invalid
 from alight.outputs.texels import decode_texels
 from alight.textures.images import Image, as_image, size_problem
 

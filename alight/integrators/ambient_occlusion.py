@@ -13,7 +13,8 @@ from typing import ClassVar, Literal
 
 from alight.accel import intersect_closest, is_occluded
 from alight.core.constants import INFINITY
-from alight.core.spec import Integrator, Positive
+from alight.core.field_types import Positive
+from alight.core.spec import Integrator
 from alight.core.vec import dot
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.integrators.walk import BSDF_DIRECTION, count_lanes, to_world, vertex_dimension

@@ -6,8 +6,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
+from alight.core.field_types import Depth
+from alight.core.fields import Truth, invalid
 from alight.core.noise_only import NoiseOnly
-from alight.core.spec import Depth, Integrator, Truth, invalid
+from alight.core.spec import Integrator
 
 
 class LightSampling(Integrator):

@@ -54,9 +54,9 @@ from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
+from alight.core.fields import invalid
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
-from alight.core.spec import invalid
 from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.caustics.chain_types import follows_chains
 from alight.integrators.caustics.manifold_sampling import write_add_caustics

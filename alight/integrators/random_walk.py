@@ -14,7 +14,8 @@ from typing import ClassVar, Literal
 from alight.bsdfs.dispatch import evaluate_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA, REFLECTION, TRANSMISSION
 from alight.core.constants import INV_FOUR_PI
-from alight.core.spec import Depth, Integrator
+from alight.core.field_types import Depth
+from alight.core.spec import Integrator
 from alight.core.warps import square_to_uniform_sphere
 from alight.integrators import path
 from lanewise.jit import kernel

@@ -15,7 +15,8 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
-from alight.core.spec import Light, RadianceTexture, Texture, Triple, largest_channel
+from alight.core.field_types import RadianceTexture, Triple
+from alight.core.spec import Light, Texture, largest_channel
 from alight.lights.area_radiance import emitted_color, sampled_color
 from alight.lights.shining import sample_shape, shape_pdf
 from alight.lights.tables import INFO, LightSample

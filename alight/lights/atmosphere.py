@@ -24,7 +24,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from alight.core.spec import Triple
+from alight.core.field_types import Triple
 
 #: XYZ -> linear sRGB (IEC 61966-2-1).
 _TO_RGB = np.array(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.core.spec import Triple
+from alight.core.field_types import Triple
 from alight.core.vec import luminance
 from lanewise.vec3 import Vec3
 

@@ -12,7 +12,8 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import INV_FOUR_PI, PI
-from alight.core.spec import Color, Light, Triple
+from alight.core.field_types import Color, Triple
+from alight.core.spec import Light
 from alight.core.warps import square_to_uniform_sphere
 from alight.lights.tables import from_infinity
 from lanewise.jit import kernel

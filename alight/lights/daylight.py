@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from alight.core.spec import Interval, Light, Triple, Vector3, invalid
+from alight.core.field_types import Triple, Vector3
+from alight.core.fields import Interval, invalid
+from alight.core.spec import Light
 from alight.lights.atmosphere import sky_radiance, sun_radiance
 from alight.lights.solar_position import solar_angles, sun_direction
 

@@ -15,7 +15,8 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import INFINITY, PI
-from alight.core.spec import Color, Light, Triple
+from alight.core.field_types import Color, Triple
+from alight.core.spec import Light
 from alight.core.vec import gather_vec3
 from alight.lights.ball import across_the_ball
 from alight.lights.tables import STRIDE, Emission, LightSample

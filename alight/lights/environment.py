@@ -34,9 +34,11 @@ from pydantic import model_validator
 
 from alight.core.constants import INV_PI, INV_TWO_PI, PI
 from alight.core.distributions import bilinear, pmf_cell, sample_bilinear, sample_cell
+from alight.core.field_types import Color, Degrees, Triple
+from alight.core.fields import Truth, invalid
 from alight.core.maths import arctan2, sincos_2pi
 from alight.core.noise_only import NoiseOnly
-from alight.core.spec import Color, Degrees, Light, Triple, Truth, invalid
+from alight.core.spec import Light
 from alight.core.vec import Vec3, dot, row_vec3
 from alight.lights.bright_disk import Disk, brightest_disk
 from alight.lights.environment_map import (

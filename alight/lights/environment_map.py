@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.distributions import cumulative_2d
-from alight.core.spec import Triple
+from alight.core.field_types import Triple
 from alight.core.vec import luminance
 from lanewise.vec3 import Vec3
 

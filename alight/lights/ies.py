@@ -19,8 +19,10 @@ from pydantic import Strict, model_validator
 
 from alight.core.constants import INV_TWO_PI, ONE_MINUS_EPSILON, PI
 from alight.core.distributions import cumulative, pmf_discrete, sample_discrete
+from alight.core.field_types import Color, Triple
+from alight.core.fields import invalid
 from alight.core.maths import arctan2, sincos
-from alight.core.spec import Color, Light, Triple, invalid
+from alight.core.spec import Light
 from alight.core.vec import Vec3, dot, gather_vec3, normalize
 from alight.core.warps import direction_around_z
 from alight.lights.at_point import way_to

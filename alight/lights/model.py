@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from alight.core.constants import PI
+from alight.core.field_types import Triple
 from alight.core.registry import Kernel, Record, Records
-from alight.core.spec import Light, Texture, Triple
+from alight.core.spec import Light, Texture
 from alight.lights.bright_disk import Disk
 from alight.lights.environment_map import EnvironmentMap
 

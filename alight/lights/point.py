@@ -14,7 +14,8 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import INV_FOUR_PI, PI
-from alight.core.spec import Color, Light, Triple
+from alight.core.field_types import Color, Triple
+from alight.core.spec import Light
 from alight.core.vec import gather_vec3
 from alight.core.warps import square_to_uniform_sphere
 from alight.lights.at_point import way_to

@@ -23,7 +23,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from alight.core.spec import Light, Triple
+from alight.core.field_types import Triple
+from alight.core.spec import Light
 from alight.core.vec import cross, dot, length_squared, row_vec3
 from alight.core.warps import (
     spherical_rectangle,

@@ -20,8 +20,10 @@ from pydantic import model_validator
 
 from alight.core.constants import PI
 from alight.core.distributions import cumulative, pmf_discrete, sample_discrete
+from alight.core.field_types import Color, Positive, Triple
+from alight.core.fields import Interval, invalid
 from alight.core.maths import arctan2
-from alight.core.spec import Color, Interval, Light, Positive, Triple, invalid
+from alight.core.spec import Light
 from alight.core.vec import Vec3, dot, gather_vec3, length_squared, luminance, normalize
 from alight.lights.at_point import way_to
 from alight.lights.ies import axes_of

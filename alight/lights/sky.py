@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.spec import Color, Reflectance, Triple
+from alight.core.field_types import Color, Reflectance, Triple
 from alight.lights.daylight import Daylight, picture
 from alight.lights.environment import Environment
 from alight.lights.environment import left_out as left_out

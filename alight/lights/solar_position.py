@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from alight.core.spec import Triple
+from alight.core.field_types import Triple
 
 _EPOCH = datetime(2000, 1, 1, 12, tzinfo=UTC)
 

@@ -30,9 +30,11 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.constants import PI
+from alight.core.field_types import Color, Triple
+from alight.core.fields import Interval, invalid
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.maths import arctan2, sincos
-from alight.core.spec import Color, Interval, Light, Triple, invalid
+from alight.core.spec import Light
 from alight.core.vec import cross, dot, gather_vec3, length_squared, normalize
 from alight.core.warps import square_to_uniform_cone, uniform_cone_pdf
 from alight.lights.at_point import way_to

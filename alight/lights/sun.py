@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import INV_TWO_PI, PI
+from alight.core.field_types import Color, Triple
 from alight.core.frame import frame_from_normal
-from alight.core.spec import Color, Triple
 from alight.core.vec import length_squared, renormalize, row_vec3
 from alight.core.warps import square_to_uniform_cone
 from alight.lights.bright_disk import Disk

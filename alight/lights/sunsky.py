@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from alight.core.spec import Color, Reflectance, Triple
+from alight.core.field_types import Color, Reflectance, Triple
 from alight.core.vec import luminance
 from alight.lights.bright_disk import Disk
 from alight.lights.daylight import DIAMETER, Daylight, Diameter, picture, solid_angle

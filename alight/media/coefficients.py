@@ -6,8 +6,10 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
-from alight.core.spec import Color, Medium, Model, PhaseFunction, Positive, Reflectance, invalid
-from alight.core.spec import Triple as Triple
+from alight.core.field_types import Color, Positive, Reflectance
+from alight.core.field_types import Triple as Triple
+from alight.core.fields import Model, invalid
+from alight.core.spec import Medium, PhaseFunction
 from alight.phases import DEFAULT
 
 #: What a medium is that says nothing: as in Mitsuba.

@@ -22,8 +22,9 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from alight.core.field_types import Triple, Vector3
+from alight.core.fields import Interval, Numbers, invalid
 from alight.core.maths import log
-from alight.core.spec import Interval, Numbers, Triple, Vector3, invalid
 from alight.core.vec import gather_vec3
 from alight.media.coefficients import Coefficients, extinction
 from alight.media.tables import (

@@ -17,7 +17,8 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from alight.core.constants import INV_FOUR_PI
-from alight.core.spec import Interval, PhaseFunction
+from alight.core.fields import Interval
+from alight.core.spec import PhaseFunction
 from lanewise.jit import kernel
 from lanewise.simd import sqrt
 

@@ -12,8 +12,9 @@ import math
 from typing import Literal, Self
 
 from alight.core.constants import ONE_MINUS_EPSILON
+from alight.core.field_types import Strata
 from alight.core.rng import hash_2, mix, sample_keys, unit_float
-from alight.core.spec import Sampler, Strata
+from alight.core.spec import Sampler
 from alight.samplers import stratified
 from alight.samplers.permutation import make_permute
 from alight.samplers.stratified import block_and_keys

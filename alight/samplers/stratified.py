@@ -13,8 +13,9 @@ import math
 from typing import Literal, Self
 
 from alight.core.constants import ONE_MINUS_EPSILON
+from alight.core.field_types import Strata
 from alight.core.rng import hash_1, hash_2, sample_keys, unit_float
-from alight.core.spec import Sampler, Strata
+from alight.core.spec import Sampler
 from alight.samplers.permutation import make_permute
 from lanewise.jit import kernel
 from lanewise.simd import minimum, to_float

@@ -15,17 +15,9 @@ from pydantic import ValidationError
 
 from alight.core.errors import Issue, join_path, show_value, unknown_name
 from alight.core.field_errors import translate
+from alight.core.fields import Model, Models, NumberOrTexture, Numbers
 from alight.core.registry import default_of, specs, specs_of
-from alight.core.spec import (
-    Camera,
-    Light,
-    Model,
-    Models,
-    NumberOrTexture,
-    Numbers,
-    Spec,
-    Texture,
-)
+from alight.core.spec import Camera, Light, Spec, Texture
 from alight.scene.description import (
     CameraField,
     FilmSettings,

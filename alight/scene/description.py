@@ -14,23 +14,20 @@ from pydantic import Field, PrivateAttr, model_validator
 from pydantic_core import core_schema
 
 from alight.core.errors import quote, show_value
+from alight.core.field_types import NestedBsdf
+from alight.core.fields import Interval, Model, Numbers, invalid
 from alight.core.registry import default_of, specs_of
 from alight.core.spec import (
     Bsdf,
     Camera,
     Filter,
     Integrator,
-    Interval,
     Light,
     Medium,
-    Model,
-    NestedBsdf,
-    Numbers,
     Sampler,
     Shape,
     Spec,
     Texture,
-    invalid,
 )
 from alight.media.coefficients import shines
 from alight.outputs import html

@@ -13,17 +13,7 @@ import numpy as np
 from alight.bsdfs.nesting import scatters_inside
 from alight.core.errors import SceneError
 from alight.core.registry import default_of, versions
-from alight.core.spec import (
-    Bsdf,
-    Camera,
-    Integrator,
-    Light,
-    Medium,
-    Sampler,
-    Shape,
-    Spec,
-    Texture,
-)
+from alight.core.spec import Bsdf, Camera, Integrator, Light, Medium, Sampler, Shape, Spec, Texture
 from alight.media.coefficients import Coefficients
 from alight.scene import images, volumes
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene

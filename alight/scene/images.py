@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.core.spec import Light, Shape, Spec, Texture, invalid, texture_interval
+from alight.core.field_types import texture_interval
+from alight.core.fields import invalid
+from alight.core.spec import Light, Shape, Spec, Texture
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.files import Files

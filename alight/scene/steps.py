@@ -20,7 +20,9 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, show_value, unknown_name
 from alight.core.field_errors import translate
-from alight.core.spec import Degrees, Interval, Numbers, Spec, Triple, Vector3, invalid
+from alight.core.field_types import Degrees, Triple, Vector3
+from alight.core.fields import Interval, Numbers, invalid
+from alight.core.spec import Spec
 from alight.scene import transform as make
 from alight.scene.keyframes import MOST_KEYFRAMES, Keyframes, keyframes
 from alight.scene.keyframes import problems as keyframe_problems

@@ -18,8 +18,9 @@ from alight.bsdfs.nesting import (
 )
 from alight.core.energy import energy_problem
 from alight.core.errors import Issue, SceneError, join_path, show_value, unknown_name
+from alight.core.field_types import texture_interval
 from alight.core.registry import specs
-from alight.core.spec import Bsdf, Light, Spec, Texture, texture_interval
+from alight.core.spec import Bsdf, Light, Spec, Texture
 from alight.outputs.texels import reusing_memory
 from alight.scene import images
 from alight.scene.bodies import body_problems

@@ -13,7 +13,8 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from alight.core.errors import Issue, SceneError, quote
-from alight.core.spec import Medium, invalid
+from alight.core.fields import invalid
+from alight.core.spec import Medium
 from alight.media.volumes import Volume, as_volume, holds_volume, size_problem
 from alight.outputs.npy import load_array
 from alight.scene.builtin.clouds import builtin_values

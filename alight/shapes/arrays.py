@@ -11,16 +11,9 @@ from numpy.typing import DTypeLike, NDArray
 from pydantic import PrivateAttr, model_validator
 from pydantic_core import core_schema
 
-from alight.core.spec import (
-    Interval,
-    NumberOrTexture,
-    Positive,
-    Shape,
-    Spec,
-    Texture,
-    Truth,
-    invalid,
-)
+from alight.core.field_types import Positive
+from alight.core.fields import Interval, NumberOrTexture, Truth, invalid
+from alight.core.spec import Shape, Spec, Texture
 from alight.core.uv_sets import MOST_SETS
 
 

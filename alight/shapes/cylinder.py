@@ -35,9 +35,11 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.constants import INV_TWO_PI, PI, TWO_PI, gamma
+from alight.core.field_types import Positive, Vector3
+from alight.core.fields import invalid
 from alight.core.frame import frame_from_tangent
 from alight.core.maths import arctan2, sincos, sincos_2pi
-from alight.core.spec import Positive, Shape, Vector3, invalid
+from alight.core.spec import Shape
 from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
 from alight.shapes.hit import (
     INFO,

@@ -51,9 +51,10 @@ from alight.core.constants import (
     TWO_PI,
     gamma,
 )
+from alight.core.field_types import Positive, Vector3
 from alight.core.frame import frame_from_normal, frame_from_tangent, to_world
 from alight.core.maths import arccos, arctan2, sincos
-from alight.core.spec import Positive, Shape, Vector3
+from alight.core.spec import Shape
 from alight.core.vec import (
     Vec3,
     absolute_vec3,

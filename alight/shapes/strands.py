@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike, NDArray
 from pydantic import model_validator
 from pydantic_core import core_schema
 
-from alight.core.spec import invalid
+from alight.core.fields import invalid
 from alight.shapes.arrays import ArrayShape, Points
 
 Array = NDArray[np.float64]

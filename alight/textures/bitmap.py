@@ -28,8 +28,10 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import model_validator
 
+from alight.core.field_types import Triple
+from alight.core.fields import invalid
 from alight.core.parameters import Slots, loader, slots_of
-from alight.core.spec import Texture, Triple, invalid
+from alight.core.spec import Texture
 from alight.core.uv_sets import UvSet, set_features
 from alight.core.vec import Vec3
 from alight.textures.images import TILE, Pixels, source_problem

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal, NamedTuple
 
+from alight.core.field_types import RadianceTexture, Triple
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import RadianceTexture, Triple
 from alight.core.vec import Vec3
 from alight.textures.bitmap import Bitmap
 from alight.textures.checkerboard import Checkerboard

@@ -16,8 +16,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from alight.core.field_types import Reflectance, Scale2, Triple, Vector2
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Reflectance, Scale2, Texture, Triple, Vector2
+from alight.core.spec import Texture
 from alight.core.uv_sets import UvSet, set_features
 from alight.textures.model import Triplet
 from alight.textures.uv import IDENTITY, LookupPoint, ToUv

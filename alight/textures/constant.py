@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.spec import Reflectance, Texture, Triple
+from alight.core.field_types import Reflectance, Triple
+from alight.core.spec import Texture
 
 
 class Constant(Texture):

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from pydantic_core import core_schema
 
 from alight.core.errors import show_value
+from alight.core.field_types import Triple
 from alight.core.fields import LARGEST, invalid
-from alight.core.spec import Spec, Triple
+from alight.core.spec import Spec
 from alight.core.srgb import decode_srgb
 
 #: Limits of one picture: floats count its columns exactly, and it takes at most 0.8 GB.

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from alight.core.constants import LUMINANCE
-from alight.core.spec import RadianceTexture, Triple, UnitTexture
+from alight.core.field_types import RadianceTexture, Triple, UnitTexture
 from alight.core.vec import luminance
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import Composed, Value, average, most

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.core.spec import RadianceTexture, Triple
+from alight.core.field_types import RadianceTexture, Triple
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.nesting import Composed, average, most
 from lanewise.jit import kernel

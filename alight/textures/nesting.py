@@ -18,7 +18,9 @@ from typing import ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from alight.core.spec import Texture, Triple, invalid
+from alight.core.field_types import Triple
+from alight.core.fields import invalid
+from alight.core.spec import Texture
 
 #: Most steps of a texture: kernels run them one after the other.
 MOST_STEPS = 64

@@ -23,18 +23,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NamedTuple
 
+from alight.core.field_types import Reflectance, Triple, UnitInterval, Vector3
+from alight.core.fields import Interval, Numbers
 from alight.core.motion import point_at_opening
 from alight.core.parameters import Slots, loader, slots_of
 from alight.core.rng import pcg4d
-from alight.core.spec import (
-    Interval,
-    Numbers,
-    Reflectance,
-    Texture,
-    Triple,
-    UnitInterval,
-    Vector3,
-)
+from alight.core.spec import Texture
 from alight.core.uv_sets import UvSet, set_features, uv_of_texture
 from alight.core.vec import Vec3
 from alight.textures.model import Flag, Number, Triplet

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
+from alight.core.field_types import Reflectance
 from alight.core.parameters import loader, slots_of
-from alight.core.spec import Reflectance, Texture
+from alight.core.spec import Texture
 from alight.textures.model import Triplet
 from lanewise.jit import kernel
 from lanewise.simd import gather, where

@@ -9,8 +9,8 @@ from alight.bsdfs.nesting import Nested, scatters_inside
 from alight.cameras.pinhole import Pinhole
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
+from alight.core.field_types import texture_interval
 from alight.core.registry import type_name_of
-from alight.core.spec import texture_interval
 from alight.formats import dumps, loads
 from alight.formats.gltf.write import write
 from alight.lab.info import facts, tree_lines

@@ -8,8 +8,10 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import PI
+from alight.core.field_types import Color
+from alight.core.fields import Interval
 from alight.core.maths import pow
-from alight.core.spec import Color, Interval, Light
+from alight.core.spec import Light
 from alight.core.vec import dot, gather_vec3
 from alight.lights.area import pdf as pdf
 from alight.lights.shining import sample_shape

@@ -10,8 +10,8 @@ from typing import Literal
 
 import numpy as np
 
+from alight.core.field_types import Positive
 from alight.core.maths import exp, log
-from alight.core.spec import Positive
 from alight.core.vec import Vec3, gather_vec3
 from alight.media.coefficients import Coefficients
 from alight.media.tables import (

@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from alight.core.constants import LUMINANCE
-from alight.core.spec import Positive, ToneCurve
+from alight.core.field_types import Positive
+from alight.core.spec import ToneCurve
 
 
 class Logarithm(ToneCurve):

@@ -11,7 +11,8 @@ from alight.bsdfs.flags import REFLECTION
 from alight.core.constants import INV_PI
 from lanewise.jit import kernel
 from lanewise.simd import lanes_u32, where
-from alight.core.spec import Bsdf, ColorTexture, UnitInterval
+from alight.core.field_types import ColorTexture, UnitInterval
+from alight.core.spec import Bsdf
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.textures.fetch import color
 

@@ -17,9 +17,11 @@ import numpy as np
 from pydantic import model_validator
 
 from alight.core.constants import INV_TWO_PI, PI, TWO_PI, gamma
+from alight.core.field_types import Positive
+from alight.core.fields import invalid
 from alight.core.frame import frame_from_tangent
 from alight.core.maths import arctan2, sincos_2pi
-from alight.core.spec import Positive, Shape, invalid
+from alight.core.spec import Shape
 from alight.core.vec import Vec3, absolute_vec3, cross, dot, gather_vec3, length_squared, row_vec3
 from alight.shapes.hit import INFO, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel

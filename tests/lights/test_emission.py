@@ -13,8 +13,9 @@ import pytest
 import alight
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
+from alight.core.field_types import Color
 from alight.core.registration import unregister
-from alight.core.spec import Color, Light
+from alight.core.spec import Light
 from alight.core.vec import Vec3, luminance
 from alight.formats import loads
 from alight.laws.emission import N, declared_power, rays_of, same_by_both

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from alight.core.spec import Triple
+from alight.core.field_types import Triple
 
 T = TypeVar("T")
 

@@ -13,17 +13,9 @@ from typing import Any, Literal, get_args, get_origin
 
 from alight.bsdfs.nesting import Nested, count_leaves, find_transmissive, scatters_inside
 from alight.core.errors import SceneError
+from alight.core.fields import Interval, Model, Models, NumberOrTexture, Numbers
 from alight.core.registry import Models as Registry
-from alight.core.spec import (
-    Bsdf,
-    Interval,
-    Model,
-    Models,
-    NumberOrTexture,
-    Numbers,
-    Spec,
-    Texture,
-)
+from alight.core.spec import Bsdf, Spec, Texture
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.pictures import pattern
 from alight.textures.nesting import steps_problem

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from alight.bsdfs.nesting import scatters_inside
+from alight.core.field_types import texture_interval
 from alight.core.registry import Models as Registry
-from alight.core.spec import Bsdf, Light, Medium, Texture, texture_interval
+from alight.core.spec import Bsdf, Light, Medium, Texture
 from alight.lab.random_scenes import bodies, fogs, materials, views
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.views import Point

@@ -8,8 +8,9 @@ from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.hair import Hair
 from alight.bsdfs.interface import Interface
 from alight.bsdfs.nesting import find_transmissive, leaves, scatters_inside
+from alight.core.fields import Interval
 from alight.core.registry import Models as Registry
-from alight.core.spec import Bsdf, Interval
+from alight.core.spec import Bsdf
 from alight.lab.random_scenes.chance import Chance
 from alight.lab.random_scenes.descriptions import any_texture, of_model
 from alight.lab.random_scenes.pictures import normals

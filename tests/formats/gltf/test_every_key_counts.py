@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from alight.core.spec import Model, Spec, Texture
+from alight.core.fields import Model
+from alight.core.spec import Spec, Texture
 from alight.formats.gltf.keys import EXTENSIONS
 from alight.formats.gltf.materials import TEXTURE_KEYS
 from alight.formats.gltf.nodes import punctual
