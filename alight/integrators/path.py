@@ -14,7 +14,7 @@ Two techniques find the light at the end of the same edge, seen from the vertex 
   (`alight.integrators.reach`): :math:`w_b\, \beta\, f |\cos\theta|\, L_e / p_b`,
   the factor :math:`f |\cos\theta| / p_b` being in `beta` already;
 * *light sampling* draws a point on a light with density :math:`p_l` and tests whether it is visible
-  (`_write_add_direct_light`): :math:`w_l\, \beta\, f |\cos\theta|\, L_e / p_l`.
+  (`alight.integrators.direct_light`): :math:`w_l\, \beta\, f |\cos\theta|\, L_e / p_l`.
 
 Both densities are per solid angle at x, and :math:`p_l` includes the probability of choosing that
 light. For a direction that both techniques can draw, the weights are (`mis_weights`)
@@ -44,13 +44,12 @@ sampling techniques, SIGGRAPH 1995; PBR4 sections 13.4 and 14.1.4.
 
 from __future__ import annotations
 
-from collections import namedtuple
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from alight.accel import intersect_closest, is_occluded
-from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
+from alight.accel import intersect_closest
+from alight.bsdfs.dispatch import sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
@@ -61,26 +60,26 @@ from alight.core.vec import absolute_vec3, max_component
 from alight.integrators.caustics.chain_types import follows_chains
 from alight.integrators.caustics.manifold_sampling import write_add_caustics
 from alight.integrators.caustics.specular_chain import extended
+from alight.integrators.direct_light import write_add_direct_light
 from alight.integrators.guided import (
     NOWHERE,
     guide_at,
     is_guided,
-    mixed_density,
     write_surface_scatter,
 )
-from alight.integrators.interiors.body_walk import begin_walks, enters_body, lit_side, walk_through
+from alight.integrators.interiors.body_walk import begin_walks, walk_through
 from alight.integrators.interiors.dispersed import at_wavelength_of, meet_dispersion
 from alight.integrators.interiors.enclosing import (
     begin_inside,
     bodies_beyond,
     come_to,
-    dimmed,
-    left_along,
 )
 from alight.integrators.largest_sample import largest_of_paths
 from alight.integrators.mis_weights import STRATEGIES, weights_of
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import (
+    NO_LISTENERS,
+    Listeners,
     drawn_by_bsdf,
     is_led_to_disk,
     write_is_from_camera,
@@ -88,33 +87,24 @@ from alight.integrators.reach import (
     write_reach_lamp,
 )
 from alight.integrators.roulette import write_end_dim_paths
-from alight.integrators.shadow_rays import come_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
-    LIGHT_CHOICE,
-    LIGHT_POINT,
     count_lanes,
-    gather_light,
-    gather_unguided,
     to_local,
     to_world,
     vertex_dimension,
 )
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environments_of
-from alight.lights.sampling import has_delta_lights, sample_light, shadow_ray
+from alight.lights.sampling import has_delta_lights
 from alight.lights.targets import has_far_target
 from alight.samplers.sampling import get_1d, get_2d
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import kernel
 from lanewise.records import replace
-from lanewise.simd import any_lane, lanes, lanes_mask, lanes_u32, where
-
-#: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
-Listeners = namedtuple("Listeners", "meet find leave sample")
-NO_LISTENERS = Listeners(None, None, None, None)
+from lanewise.simd import lanes, lanes_mask, where
 
 
 class Path(PathTracing):
@@ -258,7 +248,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     far = chains and has_far_target(program)
     reach_environment = write_reach_environment(bsdf_weight, listeners)
     reach_lamp = write_reach_lamp(bsdf_weight, holes, listeners, drawn_by_bsdf if guided else None)
-    add_direct_light = _write_add_direct_light(program, light_weight, by_light, listeners)
+    add_direct_light = write_add_direct_light(program, light_weight, by_light, listeners)
     recorded, meet = listeners.meet is not None, listeners.meet
     hides, is_from_camera = program.option("hide_emitters", False), write_is_from_camera(program)
     next_direction = write_surface_scatter(roulette) if guided else _write_scatter(scatter)
@@ -343,60 +333,3 @@ def _write_scatter(scatter):
         return scatter(scene, surface, wo, u, u2, active), NOWHERE
 
     return next_direction
-
-
-def _write_add_direct_light(program, light_weight, by_light, listeners):
-    """Light sampling, ``(scene, settings, path, surface, wo, active, here) -> path``.
-
-    Only delta lights count unless `by_light`.
-    """
-    recorded, sample = listeners.sample is not None, listeners.sample
-    holes, guided = has_null(program), is_guided(program)
-
-    @kernel
-    def add_direct_light(scene, settings, path, surface, wo, active, here):
-        rays, depth = path.rays, path.depth + 1
-        dimension = vertex_dimension(depth)
-        n = lit_side(scene, surface, wo)
-        light = sample_light(
-            scene, surface.p, n, get_1d(path.sampler, dimension + LIGHT_CHOICE),
-            get_2d(path.sampler, dimension + LIGHT_POINT), active,
-        )  # fmt: skip
-        lit = active & (light.pdf > 0.0)
-        if not by_light:
-            lit = lit & light.delta
-        # What lies inside is for walks there to find.
-        lit = lit & ~enters_body(scene, surface, light.wi)
-        if any_lane(lit):
-            wi = to_local(surface, light.wi)
-            f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
-            of_bsdf = pdf
-            if guided:
-                pdf = mixed_density(settings, here, light.wi, pdf, lit)
-            lit = lit & ~(max_component(f_cos) <= 0.0)
-            o, end = shadow_ray(surface, light)
-            passed, share = lanes_u32(0), lanes(1.0)
-            around = bodies_beyond(scene, path.bodies, surface, path.d, light.wi)
-            if holes:
-                # A hole is the end of an edge, for paths and so for shadow rays too.
-                most = passed + settings.max_depth - depth - 1
-                ray = o, light.wi, end, around
-                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
-                lit = lit & (share > 0.0)
-                w = share * light_weight(light, pdf)
-            else:
-                rays += count_lanes(lit)
-                lit = lit & ~is_occluded(scene, o, light.wi, end, lit)
-                w, left = light_weight(light, pdf), left_along(around, end, lit)
-            Le = dimmed(light.radiance, left)
-            Ld = path.beta * f_cos * Le * (w / light.pdf)
-            path = gather_light(path, Ld, lit, depth + passed <= 1)
-            if guided:
-                w = share * light_weight(light, of_bsdf)
-                Lu = path.beta * f_cos * Le * (w / light.pdf)
-                path = gather_unguided(path, Lu, lit)
-            if recorded:
-                sample(scene, path, surface.p, n, passed, lit, Ld)
-        return replace(path, rays=rays)
-
-    return add_direct_light

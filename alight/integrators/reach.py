@@ -7,6 +7,8 @@ In multiple importance sampling this is the technique of the BSDF; the factories
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 from alight.bsdfs.switch import has_null
 from alight.core.vec import length
 from alight.integrators.walk import gather_light, gather_unguided
@@ -16,6 +18,10 @@ from alight.lights.targets import leads_to_disk
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import any_lane, where
+
+#: The kernels of `alight.integrators.contributions`, or nothing in the place of each.
+Listeners = namedtuple("Listeners", "meet find leave sample")
+NO_LISTENERS = Listeners(None, None, None, None)
 
 
 @kernel

@@ -51,8 +51,7 @@ from alight.integrators.interiors.volume_walk import (
 from alight.integrators.interiors.volume_walk import start_paths as start_paths
 from alight.integrators.mis_weights import BY_BSDF, BY_LIGHT, MIS, STRATEGIES
 from alight.integrators.options import PathTracing
-from alight.integrators.path import NO_LISTENERS
-from alight.integrators.reach import write_reach_environment, write_reach_lamp
+from alight.integrators.reach import NO_LISTENERS, write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_beside_guide, play_roulette
 from alight.integrators.shadow_rays import come_through
 from alight.integrators.walk import (

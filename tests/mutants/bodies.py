@@ -76,7 +76,7 @@ BODIES = (
     ),
     Mutant(
         "shadow rays that go straight through bodies",
-        "integrators/path.py",
+        "integrators/direct_light.py",
         (("lit = lit & ~enters_body(scene, surface, light.wi)", "lit = lit & True"),),
         HALF_SPACE,
     ),

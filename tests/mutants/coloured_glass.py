@@ -27,7 +27,7 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "shadow rays within coloured glass are not dimmed",
-        "integrators/path.py",
+        "integrators/direct_light.py",
         (("dimmed(light.radiance, left)", "light.radiance"),),
         f"{TESTS}::test_light_between_two_things_inside_is_dimmed[path]",
     ),

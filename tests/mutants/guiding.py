@@ -44,7 +44,7 @@ GUIDING = (
     ),
     Mutant(
         "weights of the mixture for the light sampling of paths without a guide",
-        "integrators/path.py",
+        "integrators/direct_light.py",
         (("light_weight(light, of_bsdf)", "light_weight(light, pdf)"),),
         f"{WITHOUT}[path]",
     ),

@@ -66,7 +66,7 @@ SLIPS = (
     ),
     Mutant(
         "shadow rays that nobody counts",
-        "integrators/path.py",
+        "integrators/direct_light.py",
         (("rays += count_lanes(lit)", "rays += 0"),),
         "tests/rendering/test_rays_are_counted.py::test_rays_are_as_many_as_the_edges_of_the_paths",
     ),

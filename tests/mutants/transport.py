@@ -46,7 +46,7 @@ TRANSPORT = (
     ),
     Mutant(
         "NaN in the value of a BSDF taken for darkness",
-        "integrators/path.py",
+        "integrators/direct_light.py",
         (("~(max_component(f_cos) <= 0.0)", "(max_component(f_cos) > 0.0)"),),
         f"{TWIN}::test_samples_that_are_not_finite_are_counted_and_add_nothing",
     ),
