@@ -21,13 +21,19 @@ def ground_of(flat: FlatScene, shapes: CompiledShapes, program: Program, tables:
     Raises
     ------
     SceneError
-        If there is no such point, for media, and for shapes that shine: how much light they would
-        bring to open ground is not known.
+        If there is no such point, for media, for lights that move, whose light on open ground is
+        another at each time, and for shapes that shine: how much light they would bring to open
+        ground is not known.
     """
     issues = [
         Issue(placed.name, f"shines; {_WHAT} of lights at points and at infinity only")
         for placed in flat.shapes
         if placed.light is not None
+    ]
+    issues += [
+        Issue(placed.name, f"moves while the shutter is open; {_WHAT} of lights at rest only")
+        for placed in flat.lights
+        if placed.motion is not None
     ]
     if program.media:
         issues.append(Issue("media", f"{_WHAT} in empty space only"))
@@ -36,7 +42,7 @@ def ground_of(flat: FlatScene, shapes: CompiledShapes, program: Program, tables:
     if issues:
         raise SceneError(issues[:1])
     if program.motion:
-        # Lamps that move count nothing here, whatever the time; their kernels ask for one.
+        # Kernels of scenes with motion ask for a time.
         now = namedtuple("Now", (*tables._fields, "time"))  # type: ignore[attr-defined]
         tables = now(*tables, np.zeros(POINTS, np.float32))
     point = np.array([shapes.center[0], shapes.lowest, shapes.center[2]])

@@ -271,6 +271,19 @@ class RenderOptions(
 
         return {"scene": (), "transparent": (COVERAGE,)}.get(self.background, (COVERAGE, SHADOW))
 
+    def useless(self) -> list[tuple[str, tuple[str, ...]]]:
+        """Options that others would have to ask for: what is missing, and the names in it."""
+        found = []
+        if self.error is None:
+            promised = self.given("confidence", "metric", "share")
+            found += [(f"{{{name}}} does nothing without {{error}}", (name, "error"))
+                      for name in promised]  # fmt: skip
+        elif self.metric == "relrmse" and self.given("share"):
+            found.append(("{share} does nothing without {metric} pixel", ("share", "metric")))
+        if self.checkpoint is None and self.given("every"):
+            found.append(("{every} does nothing without {checkpoint}", ("every", "checkpoint")))
+        return found
+
     def assignments(self) -> list[str]:
         """Those of any scene, and what a transparent background takes."""
         found = super().assignments()

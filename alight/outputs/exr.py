@@ -23,6 +23,8 @@ from alight.outputs.picture import Picture
 SUFFIXES = (".exr",)
 IS_DISPLAY = False
 KEEPS_LAYERS = True
+KEEPS_ALPHA = True
+KEEPS_DPI = True
 
 _MAGIC = b"\x76\x2f\x31\x01"
 

@@ -18,6 +18,8 @@ from alight.outputs.picture import Picture
 SUFFIXES = (".hdr", ".pic")
 IS_DISPLAY = False
 KEEPS_LAYERS = False
+KEEPS_ALPHA = False
+KEEPS_DPI = False
 
 #: Widths for which a scan line may be run-length encoded.
 _RLE_WIDTHS = range(8, 32768)

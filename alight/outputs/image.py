@@ -19,7 +19,7 @@ from alight.outputs.picture import Picture, as_picture
 SHADOW = "shadow.A"
 
 #: The formats. Each module has SUFFIXES, IS_DISPLAY (tone mapped, not linear),
-#: KEEPS_LAYERS, `write` and `read`.
+#: KEEPS_LAYERS, KEEPS_ALPHA, KEEPS_DPI, `write` and `read`.
 FORMATS: tuple[ModuleType, ...] = (exr, png, jpeg, npy, hdr, pfm)
 
 

@@ -14,6 +14,8 @@ from alight.outputs.png import read_with_pillow
 SUFFIXES = (".jpg", ".jpeg")
 IS_DISPLAY = True
 KEEPS_LAYERS = False
+KEEPS_ALPHA = False
+KEEPS_DPI = True
 
 _QUALITY = 95
 

@@ -13,6 +13,8 @@ from alight.outputs.picture import Picture, as_picture
 SUFFIXES = (".npy",)
 IS_DISPLAY = False
 KEEPS_LAYERS = False
+KEEPS_ALPHA = False
+KEEPS_DPI = False
 
 
 def write(path: Path, picture: Picture, display: Development) -> None:

@@ -16,6 +16,8 @@ from alight.outputs.picture import Picture
 SUFFIXES = (".pfm",)
 IS_DISPLAY = False
 KEEPS_LAYERS = False
+KEEPS_ALPHA = False
+KEEPS_DPI = False
 
 _MOST_HEADER = 1000
 

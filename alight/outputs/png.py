@@ -19,6 +19,8 @@ from alight.outputs.picture import Picture
 SUFFIXES = (".png",)
 IS_DISPLAY = True
 KEEPS_LAYERS = False
+KEEPS_ALPHA = True
+KEEPS_DPI = True
 
 #: Rows that are tone-mapped at a time.
 _BAND = 64

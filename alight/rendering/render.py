@@ -77,7 +77,9 @@ def prepare(scene: Any, options: RenderOptions) -> Prepared:
         raise OptionError(text, names=("part", "output"))
     description = _described(scene, options.changed(plugins=()))
     asked = [name for name in options.aovs if name not in options.layers_of_background]
-    useless = targets.useless(asked) if options.output else []
+    useless = options.useless()
+    if options.output:
+        useless += targets.useless(asked, options.background != "scene")
     layers = options.aovs
     if options.denoise:
         layers = tuple(dict.fromkeys([*layers, *FEATURES.values()]))

@@ -75,19 +75,34 @@ class Targets:
         if self.stats is not None:
             check_folder(self.stats)
 
-    def useless(self, layers: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
-        """Say which options have no effect on any of the files: the problem, and their names."""
+    def useless(self, layers: Sequence[str], alpha: bool) -> list[tuple[str, tuple[str, ...]]]:
+        """Say which options have no effect on any of the files: the problem, and their names.
+
+        Parameters
+        ----------
+        layers : sequence of str
+            That were asked for.
+        alpha : bool
+            Whether the background is not the scene's.
+        """
         pictures = [path for path in self.outputs if not is_film_file(path)]
         formats = [format_of(path) for path in pictures]
         keeps_layers = len(pictures) < len(self.outputs) or any(m.KEEPS_LAYERS for m in formats)
         found = []
-        if self.display != Display() and not any(module.IS_DISPLAY for module in formats):
+        shown = replace(self.display, dpi=None) != Display()
+        if shown and not any(module.IS_DISPLAY for module in formats):
             names = ("exposure", "white_balance", "tone_map", "bits")
             text = (
                 "{exposure}, {white_balance}, {tone_map} and {bits} change display formats "
                 "(PNG, JPEG) only"
             )
             found.append((text, names))
+        if self.display.dpi is not None and not any(module.KEEPS_DPI for module in formats):
+            found.append(("{dpi}: only PNG, JPEG and EXR keep it", ("dpi",)))
+        keeps_alpha = len(pictures) < len(self.outputs) or any(m.KEEPS_ALPHA for m in formats)
+        if alpha and not keeps_alpha:
+            found.append(("{background}: only EXR and PNG keep alpha; add {output} FILE.png",
+                          ("background", "output")))  # fmt: skip
         if layers and not keeps_layers:
             found.append(("{aovs}: only EXR keeps layers; add {output} FILE.exr",
                           ("aovs", "output")))  # fmt: skip

@@ -25,6 +25,8 @@ MOST_PLACED_ITEMS = 64
 # The accelerated scanner is part of PyYAML's wheels; the plain one reads the same language.
 _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
+#: YAML's words for these numbers; no field takes one.
+_NOT_FINITE = {".nan", ".inf", "+.inf", "-.inf"}
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 _WORDS = {"": None, "~": None, "null": None, "true": True, "false": False}
 
@@ -188,6 +190,8 @@ def resolve(text: str) -> float | int | bool | str | None:
     """
     if text in _WORDS:
         return _WORDS[text]
+    if text.lower() in _NOT_FINITE:
+        return float(text.replace(".", ""))
     if not _NUMBER.fullmatch(text):
         return text
     # Python limits the digits of whole numbers; no count has that many.

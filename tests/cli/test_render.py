@@ -165,6 +165,25 @@ def test_options_without_effect_are_warned_of(alight):
     assert "--aov" not in quiet.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--confidence 99%", "--confidence does nothing without --error"),
+        ("--share 50%", "--share does nothing without --error"),
+        ("--share 50% --error 90%", "--share does nothing without --metric pixel"),
+        ("--every 10m", "--every does nothing without --checkpoint"),
+        ("--dpi 300 -o a.hdr", "--dpi: only PNG, JPEG and EXR keep it"),
+        ("--background transparent -o a.jpg", "--background: only EXR and PNG keep alpha"),
+    ],
+)
+def test_words_that_need_others_are_warned_of(alight, words, said):
+    spp = () if "--error" in words else ("--spp", "1")
+    assert said in alight("render", "material-ball", "--size", "8x8", *spp, *words.split()).stderr
+    more = "--error 90% --metric pixel --checkpoint a.checkpoint -o b.png"
+    quiet = alight("render", "material-ball", "--size", "8x8", *more.split(), *words.split())
+    assert "does nothing" not in quiet.stderr and "keep" not in quiet.stderr
+
+
 # ---------------------------------------------------------------------------- Ctrl-C
 
 

@@ -41,6 +41,11 @@ OTHER = """  %s:
 MAP = "environment: {type: environment, %s pixels: [[[1,1,1],[3,3,3]],[[1,1,1],[3,3,3]]]}\n"
 Y = 0.212671 * 2 + 0.715160 + 0.072169 * 0.5
 
+MOVING = """%s:
+    transform: {keyframes: [{time: 0, translate: [0, 3, 0]}, {time: 1, translate: [1, 3, 0]}]}
+"""
+LAMP_THAT_MOVES = MOVING % "  lamp" + "    light: {type: point}\n"
+
 
 def caught(text, spp=256, **options):
     return alight.render(loads(text), spp=spp, background="shadow", seed=3, **options)
@@ -118,10 +123,7 @@ def test_the_light_of_surroundings_is_known():
         compiled = compile_scene(flatten(loads(text + DISK)), aovs=(SHADOW,))
         assert compiled.ground.height == pytest.approx(0.0, abs=1e-8)
         assert compiled.ground.sky == pytest.approx(expected, rel=1e-3)
-    moving = """  lamp:
-    light: {type: point}
-    transform: {keyframes: [{time: 0, translate: [0, 3, 0]}, {time: 1, translate: [1, 3, 0]}]}
-"""
+    moving = MOVING % "  ball" + "    shape: {type: sphere, radius: 0.1}\n"
     compiled = compile_scene(flatten(loads(DOME + DISK + moving)), aovs=(SHADOW,))
     assert compiled.ground.sky == pytest.approx(np.pi * Y, rel=1e-3)
     sun = "environment: {type: sun, sun_direction: [1, 1, 0], diameter: %s}\n"
@@ -174,6 +176,7 @@ def test_the_twin_catches_the_same():
     ("change", "place", "said"),
     [
         (("disk:\n", "disk:\n    light: {type: area, radiance: 1}\n"), "nodes.disk", "shines"),
+        (("  disk:\n", LAMP_THAT_MOVES + "  disk:\n"), "nodes.lamp", "moves"),
         (("shape: disk", "shape: plane"), "", ""),
         (("integrator: path", "integrator: ambient_occlusion"), "background", "path or direct"),
     ],

@@ -50,6 +50,7 @@ SCENES = {
     "number-for-truth": CAMERA + "nodes: {a: {shape: {type: disk, flip_normals: 1}}}\n",
     "number-for-name": CAMERA + "nodes: {a: {shape: disk, bsdf: 3}}\n",
     "not-finite": CAMERA + "nodes: {a: {shape: {type: sphere, radius: 1e999}}}\n",
+    "not-a-number": CAMERA + "nodes: {a: {light: {type: area, radiance: .nan}, shape: sphere}}\n",
     "too-large": CAMERA + "nodes: {a: {shape: {type: sphere, radius: 1e30}}}\n",
     "too-small": CAMERA + "nodes: {a: {shape: {type: sphere, radius: 1e-30}}}\n",
     "not-positive": CAMERA + "nodes: {a: {shape: {type: sphere, radius: 0}}}\n",

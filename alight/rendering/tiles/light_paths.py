@@ -62,7 +62,7 @@ def _problems(program: Program, from_both_ends: bool) -> Iterator[str]:
     if far and _sees_surroundings(program) and not sees_far:
         yield f"a camera of type {program.camera} sees the surroundings in one direction only"
     if refracts(program) and (LAYERED_NAME in program.bsdfs or BENT in program.bsdfs):
-        yield "glass is blended with other materials, or has a normal or bump map"
+        yield "there is glass, and some material is made of others or has a normal or bump map"
     if program.aovs:
         yield f"it has no layers, and {', '.join(program.aovs)} is asked for"
 
