@@ -14,7 +14,7 @@ from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
 from alight.compiled.ground import ground_of
 from alight.compiled.kept import Kept
-from alight.compiled.lights import compile_lights, light_textures
+from alight.compiled.lights import CompiledLights, compile_lights, light_textures
 from alight.compiled.materials import compile_materials
 from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
@@ -151,17 +151,7 @@ def compile_scene(
         shapes.many,
     )
     of_light = light_motions(flat, shapes, paths)
-    choice = flat.integrator.choice_of_lights
-    own = "if possible" if flat.integrator.way_of_guiding in ("on", "auto") else "never"
-    lights = compile_lights(
-        flat,
-        shapes,
-        choice,
-        compensated=flat.integrator.combines,
-        emits="always" if emits or flat.integrator.splats else own,
-        aims=dict(flat.integrator).get("caustics") == "manifold",
-        kept=kept,
-    )
+    lights = _lights_for(flat, shapes, emits, kept)
     tables = SceneTables(
         shapes=shapes.tables,
         materials=materials,
@@ -217,6 +207,21 @@ def compile_scene(
             *suspicious_bodies(given),
             *_darkness(flat, lights.is_dark and EMISSIVE not in media),
         ),
+    )
+
+
+def _lights_for(flat: FlatScene, shapes: CompiledShapes, emits: bool, kept: Kept) -> CompiledLights:
+    """The lights, with the tables that the scene's integrator needs."""
+    integrator = flat.integrator
+    own = "if possible" if integrator.way_of_guiding in ("on", "auto") else "never"
+    return compile_lights(
+        flat,
+        shapes,
+        integrator.choice_of_lights,
+        compensated=integrator.combines,
+        emits="always" if emits or integrator.splats else own,
+        aims=integrator.aims_at_lamps,
+        kept=kept,
     )
 
 

@@ -341,6 +341,11 @@ class Integrator(Spec):
         """How, see `alight.integrators.options.PathTracing`."""
         return "off"
 
+    @property
+    def aims_at_lamps(self) -> bool:
+        """Whether paths look for whole lamps, see `alight.lights.targets`."""
+        return False
+
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where no light is at a point; None if none is known.
 

@@ -133,6 +133,11 @@ class Path(PathTracing):
             raise invalid("caustics: manifold has no guide: take guiding: off or caustics: paths")
         return self
 
+    @property
+    def aims_at_lamps(self) -> bool:
+        """Manifold sampling does."""
+        return self.caustics == "manifold"
+
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
         """Bound of a sample where both ways to find light are combined."""
         if self.light_sampling != "mis" or self.wants_guide or self.caustics != "paths":
