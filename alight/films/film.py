@@ -78,6 +78,8 @@ class Film:
         What the renderer knows to be biased, effects as radiance; see `biases`.
     largest_sample : float or None
         No channel of a sample can be larger; None where that is not known.
+    by_chance : bool
+        Whether no path was led to a light: what no sample has met says nothing of itself then.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
@@ -128,7 +130,7 @@ class Film:
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
         self.largest_sample: float | None = None
-        self.shares_paths = False
+        self.shares_paths = self.by_chance = False
         self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
         self.lock = threading.RLock()
@@ -202,7 +204,7 @@ class Film:
             version=self.version, surfaces=self.coverage.names if self.coverage else None,
         )  # fmt: skip
         film.recorded, film.largest_sample = self.recorded, self.largest_sample
-        film.shares_paths = self.shares_paths
+        film.shares_paths, film.by_chance = self.shares_paths, self.by_chance
         return film
 
     def snapshot(self) -> Film:

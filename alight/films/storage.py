@@ -82,6 +82,7 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             "saturated": film.saturated,
             "largest_sample": film.largest_sample,
             "shares_paths": film.shares_paths,
+            "by_chance": film.by_chance,
             "recorded": [bias.state() for bias in film.recorded],
             "ranges": [list(cell) for cell in distinct],
         })  # fmt: skip
@@ -136,6 +137,7 @@ def _unpack(
     film.invalid, film.saturated = described["invalid"], described["saturated"]
     film.largest_sample = described.get("largest_sample")
     film.shares_paths = bool(described.get("shares_paths"))
+    film.by_chance = bool(described.get("by_chance"))
     film.recorded = tuple(Bias.restored(state) for state in described.get("recorded", ()))
     return film
 

@@ -139,10 +139,10 @@ class Path(PathTracing):
         return self.caustics == "manifold"
 
     def largest_sample(self, radiance: float, weight: float, start: float) -> float | None:
-        """Bound of a sample where both ways to find light are combined."""
-        if self.light_sampling != "mis" or self.wants_guide or self.caustics != "paths":
+        """Bound of a sample where both ways to find light are combined, or BSDFs alone find it."""
+        if self.light_sampling == "emitter" or self.wants_guide or self.caustics != "paths":
             return None
-        share = 0.5 if self.heuristic == "power" else 1.0
+        share = {"power": 0.5, "balance": 1.0}[self.heuristic] if self.combines else 0.0
         return largest_of_paths(self, share, radiance, weight, start)
 
 

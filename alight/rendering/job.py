@@ -169,6 +169,7 @@ class Job:
         if scene.integrator.splats and not scene.integrator.transports:
             film.recorded += (UNSEEN,)
         film.largest_sample = self.largest_sample
+        film.by_chance = self.scene.integrator.finds_light_by_chance
         film.shares_paths = scene.integrator.splats
         return film
 

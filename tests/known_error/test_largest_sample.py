@@ -70,6 +70,15 @@ def test_without_roulette_it_is_a_geometric_series(bound, depth, heuristic):
     assert found == pytest.approx(summed(3.0, 0.5, depth, heuristic))
 
 
+@pytest.mark.parametrize("depth", [1, 4, 9])
+def test_bsdf_sampling_alone_adds_only_what_paths_meet(bound, depth):
+    found = bound(
+        f"integrator.max_depth={depth}", "integrator.light_sampling=bsdf",
+        "integrator.russian_roulette=none",
+    )  # fmt: skip
+    assert found == pytest.approx(3.0 * 2.0 * (1.0 - 0.5**depth), rel=1e-12)
+
+
 @pytest.mark.parametrize("depth", [1, 3, 6, 12])
 @pytest.mark.parametrize("first", [1, 2, 5])
 @pytest.mark.parametrize("weight", [0.5, 0.99])
@@ -161,7 +170,6 @@ def test_the_brightest_texel_of_a_scaled_map(tmp_path, bound):
     ("changes", "more"),
     [
         (("integrator.light_sampling=emitter",), ""),
-        (("integrator.light_sampling=bsdf",), ""),
         (("film.filter.type=mitchell",), ""),
         (("nodes.ball.bsdf={type: dielectric}",), ""),
         ((), "  lamp: {light: {type: point, intensity: 1}}\n"),

@@ -12,6 +12,18 @@ UNMET = "tests/metrics/test_unmet_light.py"
 
 KNOWN_ERROR = (
     Mutant(
+        "an indicator where chance alone finds light",
+        "rendering/schedules/unseen.py",
+        (("return bound if self.by_chance else", "return"),),
+        f"{PROMISES}::test_where_chance_alone_finds_light_only_a_bound_of_it_counts",
+    ),
+    Mutant(
+        "films that forget that no path was led to a light",
+        "films/storage.py",
+        (('bool(described.get("by_chance"))', "False"),),
+        f"{PROMISES}::test_a_lamp_that_is_found_by_chance_is_not_promised_away",
+    ),
+    Mutant(
         "a few pixels that pass for many where the products of their halves are small",
         "metrics/own_error.py",
         (("    spread = few.at_least(spread, value)\n", ""),),

@@ -27,8 +27,6 @@ from alight.scene.content import describe_content, differences
 from tests.rendering.interrupted import assert_same, cancelled_after
 
 SPP = 24
-#: The package gives the function of the same name.
-MODULE = sys.modules[resume.__module__]
 CHANGES = ("film.size=[72, 40]", "film.crop=[3, 2, 60, 37]")
 
 
@@ -234,9 +232,9 @@ def test_a_changed_file_of_a_scene_is_named(tmp_path):
 def test_another_machine_is_refused_by_what_differs(tmp_path, monkeypatch):
     path = tmp_path / "a.alight"
     alight.render(scene(), spp=1, checkpoint=path)
-    other = {**MODULE.describe_machine(), "lanes": "4"}
-    monkeypatch.setattr(MODULE, "describe_machine", lambda: other)
-    monkeypatch.setattr(MODULE, "fingerprint", lambda: "other")
+    other = {**resume.describe_machine(), "lanes": "4"}
+    monkeypatch.setattr(resume, "describe_machine", lambda: other)
+    monkeypatch.setattr(resume, "fingerprint", lambda: "other")
     with pytest.raises(
         FilmError, match=r"other bits\n  lanes: was \d+, is 4\nits picture is whole"
     ):

@@ -145,7 +145,7 @@ def judge(film: Film, promise: Promise) -> Judgement:
     film : Film
     promise : Promise
     """
-    return judge_means(*film.replicate_means(), promise, film.largest_sample)
+    return judge_means(*film.replicate_means(), promise, film.largest_sample, film.by_chance)
 
 
 def judge_means(
@@ -153,10 +153,12 @@ def judge_means(
     counts: np.ndarray,
     promise: Promise,
     largest: float | None = None,
+    by_chance: bool = False,
 ) -> Judgement:
     """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates.
 
-    `largest` bounds the value of a sample, if that is known.
+    `largest` bounds the value of a sample, if that is known; `by_chance` is whether no path was led
+    to a light.
     """
     estimate = estimate_relmse(means, counts)
     if math.isnan(estimate.figure.value):
@@ -186,7 +188,7 @@ def judge_means(
             means, counts, promise.error * math.sqrt(factor), promise.doubt
         ):
             factor *= 1.1
-    unseen = unseen_error(means, counts, promise.error, largest)
+    unseen = unseen_error(means, counts, promise.error, largest, by_chance)
     met = within and unseen.figure <= promise.error
     # What is unseen falls with the samples, not with their root.
     factor = 1.0 if met else max(factor, unseen.figure / promise.error, 1.0)

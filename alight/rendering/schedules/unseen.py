@@ -35,26 +35,34 @@ class Unseen(NamedTuple):
     bound : float
         If it is as bright as a sample can be; NaN where that is not known.
     doubtful : float
-        Share of the picture in whose cells the smaller of both exceeds the error.
+        Share of the picture in whose cells `figure` exceeds the error.
+    by_chance : bool, default False
+        Whether only the bound counts.
     """
 
     indicator: float
     bound: float
     doubtful: float
+    by_chance: bool = False
 
     @property
     def figure(self) -> float:
-        """The smaller one."""
-        return min(self.indicator, math.inf if math.isnan(self.bound) else self.bound)
+        """The smaller one; the bound where no path is led to a light, infinity if it is unknown."""
+        bound = math.inf if math.isnan(self.bound) else self.bound
+        return bound if self.by_chance else min(self.indicator, bound)
 
 
 def unseen_of(film: Film) -> Unseen:
     """`unseen_error` of a film; `doubtful` against an error of 1 %."""
-    return unseen_error(*film.replicate_means(), 0.01, film.largest_sample)
+    return unseen_error(*film.replicate_means(), 0.01, film.largest_sample, film.by_chance)
 
 
 def unseen_error(
-    means: np.ndarray, counts: np.ndarray, error: float, largest: float | None = None
+    means: np.ndarray,
+    counts: np.ndarray,
+    error: float,
+    largest: float | None = None,
+    by_chance: bool = False,
 ) -> Unseen:
     """Estimate the relRMSE of light that no sample has told of yet.
 
@@ -73,6 +81,9 @@ def unseen_error(
         For `Unseen.doubtful`.
     largest : float, optional
         No sample can be larger (`alight.rendering.schedules.largest_sample`).
+    by_chance : bool, default False
+        Whether no path is led to a light. A lamp that no sample has met is then in no contribution
+        either, so that the indicator says nothing.
     """
     n = counts.sum(axis=2)
     height, width = n.shape
@@ -102,11 +113,12 @@ def unseen_error(
     seen = _missing(np.maximum(np.stack(most, axis=1), 0.0), samples, scale)
     indicator = math.sqrt(float((seen * weights).sum()))
     if largest is None:
-        return Unseen(indicator, math.nan, float(weights[seen > error**2].sum()))
+        doubtful = 1.0 if by_chance else float(weights[seen > error**2].sum())
+        return Unseen(indicator, math.nan, doubtful, by_chance)
     possible = _missing(np.float64(largest), samples, scale)
     bound = math.sqrt(float((possible * weights).sum()))
-    smaller = np.minimum(seen, possible)
-    return Unseen(indicator, bound, float(weights[smaller > error**2].sum()))
+    told = possible if by_chance else np.minimum(seen, possible)
+    return Unseen(indicator, bound, float(weights[told > error**2].sum()), by_chance)
 
 
 def _missing(brightest: np.ndarray, samples: np.ndarray, scale: np.ndarray) -> np.ndarray:
