@@ -145,7 +145,7 @@ nodes:
         assert alight.Film.load(tmp_path / "film.alight").by_chance
     assert "met" not in words
     # Light sampling is led to the lamp.
-    scene = alight.changed(tmp_path / "scene.yaml", {"integrator.light_sampling": "mis"})
+    scene = alight.load(tmp_path / "scene.yaml", ["integrator.light_sampling=mis"])
     assert not alight.render(scene, spp=4).by_chance
 
 
