@@ -38,6 +38,7 @@ class Mutant(NamedTuple):
 
 
 _PATH = "integrators/path.py"
+_DIRECT_LIGHT = "integrators/direct_light.py"
 _WEIGHTS = "integrators/mis_weights.py"
 _NO_COSINE = """f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)
             f_cos = f_cos * (1.0 / where(wi.z > 0.0, wi.z, 1e-6 - wi.z))"""
@@ -49,7 +50,7 @@ MUTANTS = {
         "light sampling forgets the cosine at the lit surface",
         (
             (
-                _PATH,
+                _DIRECT_LIGHT,
                 "f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)",
                 _NO_COSINE,
             ),

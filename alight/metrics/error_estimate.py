@@ -55,6 +55,14 @@ class Figure(NamedTuple):
             return self.value * math.exp(min(doubt, 600.0))
         return self.value * self.lowest * math.exp(-doubt)
 
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of log(relRMSE), by the quantiles that lie one from the middle."""
+        if not self.value > 0.0:
+            return 0.0
+        low, high = (self.quantile(_NORMAL.cdf(z)) for z in (-1.0, 1.0))
+        return 0.25 * math.log(high / max(low, 1e-300))
+
     def interval(self, confidence: float = 0.95) -> Estimate:
         """Give the value with its two-sided interval."""
         tail = 0.5 * (1.0 - confidence)

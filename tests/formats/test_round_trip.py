@@ -1,5 +1,7 @@
 """Scene -> text -> scene and scene -> file -> scene give the same scene, bit for bit."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -138,7 +140,7 @@ def test_texts_are_written_exactly(text):
     [
         ("1e-3", 0.001), ("1E5", 1e5), (".5", 0.5), ("-2.", -2.0), ("+3", 3), ("007", 7),
         ("yes", "yes"), ("on", "on"), ("true", True), ("null", None), ("~", None), ("", None),
-        ("0x10", "0x10"), ("1_000", "1_000"), ("1:30", "1:30"), (".inf", ".inf"), ("nan", "nan"),
+        ("0x10", "0x10"), ("1_000", "1_000"), ("1:30", "1:30"), (".inf", math.inf), ("nan", "nan"),
         ("1" * 30, float("1" * 30)),
     ],
 )  # fmt: skip

@@ -8,11 +8,13 @@ import pytest
 from scipy import stats
 
 from alight.core.errors import OptionError
+from alight.metrics.own_error import estimate_relmse
 from alight.rendering.schedules.stopping import (
     GROWTH,
     Promise,
     first_look,
     judge_means,
+    look_doubt,
     next_look,
     share_within,
 )
@@ -287,6 +289,31 @@ def test_half_of_the_doubt_at_every_look_is_enough_up_to_the_deviations_that_are
     z = stats.norm.isf(Promise(0.1, confidence).doubt)
     early = z + np.arange(2000) * math.log(GROWTH) / deviation
     assert 1.0 - stats.norm.cdf(early).prod() <= 1.0 - confidence
+
+
+@pytest.mark.parametrize("confidence", [0.5, 0.9, 0.95, 0.999])
+@pytest.mark.parametrize("deviation", [0.1, 0.73, 0.9, 1.1, 2.0, 5.0])
+def test_all_looks_together_keep_the_confidence_whatever_the_deviation(confidence, deviation):
+    doubt = look_doubt(confidence, deviation)
+    early = stats.norm.isf(doubt) + np.arange(2000) * math.log(GROWTH) / deviation
+    wrong = 1.0 - stats.norm.cdf(early).prod()
+    assert wrong <= (1.0 - confidence) * (1.0 + 1e-6)
+    # No less than is needed: half of it, or up to a tenth.
+    assert doubt == 0.5 * (1.0 - confidence) or wrong > 0.85 * (1.0 - confidence)
+
+
+def test_a_look_at_one_noisy_pixel_asks_for_more():
+    """Its relRMSE deviates by the root of F(1, 3): by more than half of the doubt is enough for."""
+    means = np.ones((8, 8, 4, 3), np.float32)
+    means[3, 4] += np.float32([0.1, -0.1, 0.02, -0.06])[:, None]
+    counts, promise = np.full((8, 8, 4), 4), Promise(0.5)
+    estimate = estimate_relmse(means, counts)
+    middle = stats.f.ppf(stats.norm.cdf([-1.0, 1.0]), 1.0, 3.0)
+    deviation = 0.25 * math.log(middle[1] / middle[0])
+    assert deviation > 0.9
+    assert estimate.figure.deviation == pytest.approx(deviation, rel=0.05)
+    achieved = judge_means(means, counts, promise).achieved
+    assert achieved > 1.02 * estimate.relrmse_below(1.0 - promise.doubt)
 
 
 def test_the_ranges_of_a_promise():

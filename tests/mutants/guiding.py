@@ -200,8 +200,8 @@ GUIDING = (
         "integrators/path.py",
         (
             (
-                'self.light_sampling != "mis" or self.wants_guide or self',
-                'self.light_sampling != "mis" or self',
+                'self.light_sampling == "emitter" or self.wants_guide or self',
+                'self.light_sampling == "emitter" or self',
             ),
         ),
         f"{RENDERS}::test_bounds_of_samples_are_not_claimed",

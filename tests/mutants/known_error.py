@@ -2,6 +2,7 @@
 
 from tests.mutants.mutant import Mutant
 
+CHANCE = "tests/known_error/test_light_by_chance.py"
 PROMISES = "tests/known_error/test_promises.py"
 BIASES = "tests/known_error/test_biases.py"
 NOISY = "tests/metrics/test_noisy_pixels.py"
@@ -12,16 +13,22 @@ UNMET = "tests/metrics/test_unmet_light.py"
 
 KNOWN_ERROR = (
     Mutant(
+        "half of the doubt for each look, however much errors deviate",
+        "rendering/schedules/stopping.py",
+        (("look_doubt(promise.confidence, estimate.figure.deviation)", "promise.doubt"),),
+        "tests/known_error/test_laws_of_promises.py::test_a_look_at_one_noisy_pixel_asks_for_more",
+    ),
+    Mutant(
         "an indicator where chance alone finds light",
         "rendering/schedules/unseen.py",
         (("return bound if self.by_chance else", "return"),),
-        f"{PROMISES}::test_where_chance_alone_finds_light_only_a_bound_of_it_counts",
+        f"{CHANCE}::test_where_chance_alone_finds_light_only_a_bound_of_it_counts",
     ),
     Mutant(
         "films that forget that no path was led to a light",
         "films/storage.py",
         (('bool(described.get("by_chance"))', "False"),),
-        f"{PROMISES}::test_a_lamp_that_is_found_by_chance_is_not_promised_away",
+        f"{CHANCE}::test_a_lamp_that_is_found_by_chance_is_not_promised_away",
     ),
     Mutant(
         "a few pixels that pass for many where the products of their halves are small",
@@ -205,7 +212,7 @@ KNOWN_ERROR = (
     Mutant(
         "every promise that is not kept is doubted",
         "rendering/schedules/stopping.py",
-        (("doubted = not within and sure <= promise.error**2", "doubted = not within"),),
+        (("doubted = not within and known <= promise.error**2", "doubted = not within"),),
         f"{PROMISES}::test_an_error_that_hangs_on_unknown_brightness_is_not_certifiable",
     ),
     Mutant(
@@ -219,7 +226,7 @@ KNOWN_ERROR = (
         "rendering/schedules/stopping.py",
         (
             (
-                "achieved = estimate.relrmse_below(1.0 - promise.doubt)",
+                "achieved = estimate.relrmse_below(sure)",
                 "achieved = estimate.relrmse.value",
             ),
         ),

@@ -66,7 +66,7 @@ LABORATORY = (
     Mutant(
         "a share of pixels whose margin is always that of 99 %",
         "rendering/schedules/stopping.py",
-        (("-NormalDist().inv_cdf(doubt)", "2.576"),),
+        (("    z = -_NORMAL.inv_cdf(doubt)", "    z = 2.576"),),
         f"{PROMISES}::test_the_share_is_students_and_its_margin_the_binomial_one",
     ),
     Mutant(

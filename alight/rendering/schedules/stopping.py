@@ -11,7 +11,8 @@ large, g being the growth from look to look, and has to be wrong by so much more
 If looks were independent, the product would be the probability that all are right. Each holds the
 samples of those before it, so they are positively correlated, and all are right at least as often
 (Slepian 1962). With half of the doubt for each look the bound stays below the doubt up to
-:math:`\sigma = 0.73` for every confidence from 50 %, and up to 0.87 for 95 %.
+:math:`\sigma = 0.73` for every confidence from 50 %, and up to 0.87 for 95 %. Errors that few
+pixels carry deviate by more, so that a look may be wrong less often there (`look_doubt`).
 
 Under the metric "pixel" a look is wrong if fewer of the pixels than estimated happen to be within
 the error; that, too, may have half of the doubt.
@@ -41,8 +42,13 @@ FIRST_LOOK, GROWTH = 16, 1.25
 #: that R = 4 gives Student's distribution with 8.
 _CELL_FREEDOM = 5.0
 
+#: Deviation up to which half of the doubt is enough for each look, whatever the confidence.
+ENOUGH_FOR_HALF = 0.73
+
 #: Largest relRMSE that is told: 1000 %.
 LARGEST_TOLD = 10.0
+
+_NORMAL = NormalDist()
 
 #: Times the samples so far of which no number is told.
 _FAR = 1e4
@@ -127,6 +133,31 @@ class Judgement(NamedTuple):
     value: float = math.nan
 
 
+def look_doubt(confidence: float, deviation: float) -> float:
+    """Probability that one look may be wrong, so that all looks together keep the confidence.
+
+    Parameters
+    ----------
+    confidence : float
+        In [0.5, 1).
+    deviation : float
+        Of the estimated error's logarithm.
+    """
+    doubt = 0.5 * (1.0 - confidence)
+    while deviation > ENOUGH_FOR_HALF and _all_looks(doubt, deviation) > 1.0 - confidence:
+        doubt *= 0.9
+    return doubt
+
+
+def _all_looks(doubt: float, deviation: float) -> float:
+    """The bound of P above."""
+    right, z, step = 1.0, -_NORMAL.inv_cdf(doubt), math.log(GROWTH) / deviation
+    while z < 8.0:
+        right *= _NORMAL.cdf(z)
+        z += max(step, 1e-3)
+    return 1.0 - right
+
+
 def first_look(replicates: int) -> int:
     """Samples per pixel at the first look: whole rounds of the replicates."""
     return replicates * max(math.ceil(FIRST_LOOK / replicates), 2)
@@ -172,12 +203,13 @@ def judge_means(
             met=False,
             factor=math.inf,
         )
-    achieved = estimate.relrmse_below(1.0 - promise.doubt)
+    sure = 1.0 - look_doubt(promise.confidence, estimate.figure.deviation)
+    achieved = estimate.relrmse_below(sure)
     share, doubted = math.nan, False
     if promise.metric == "relrmse":
         within = achieved <= promise.error
-        sure = estimate.figure._replace(brightness=0.0, rise=0.0).quantile(1.0 - promise.doubt)
-        doubted = not within and sure <= promise.error**2
+        known = estimate.figure._replace(brightness=0.0, rise=0.0).quantile(sure)
+        doubted = not within and known <= promise.error**2
         factor = (achieved / promise.error) ** 2
     else:
         share = share_within(means, counts, promise.error, promise.doubt)
@@ -237,7 +269,7 @@ def share_within(means: np.ndarray, counts: np.ndarray, error: float, doubt: flo
     with np.errstate(divide="ignore"):
         t = np.where(joined > 0.0, error / np.sqrt(joined), np.inf)
     share = float(_inside(t).mean())
-    z = -NormalDist().inv_cdf(doubt)
+    z = -_NORMAL.inv_cdf(doubt)
     return share - z * math.sqrt(max(share * (1.0 - share), 0.0) / (h * w))
 
 
