@@ -33,7 +33,7 @@ def render_frames(
     Raises
     ------
     typer.Exit
-        After a signal; the same command then goes on with the frame that was not finished.
+        After a signal; where frames are kept, the same command then goes on.
     """
     from alight.rendering.animation import Animation
 
@@ -55,8 +55,11 @@ def render_frames(
         except KeyboardInterrupt:
             written, stopped = [], True
     if stopped:
-        text = f"stopped at frame {made.current}; the same command goes on there"
-        typer.echo(text, err=True)
+        again = "goes on there" if made.goes_on else (
+            f"starts at frame {made.numbers.start} again: only EXR files of frames are kept for a "
+            "film, and without one EXR and PNG files"
+        )  # fmt: skip
+        typer.echo(f"stopped at frame {made.current}; the same command {again}", err=True)
         raise typer.Exit(interruption.exit_code)
     if not quiet:
         kept = f", {len(made.kept)} of them kept" if made.kept else ""

@@ -10,6 +10,8 @@ from typing import Any
 from alight.core.errors import quote, show_value
 from alight.options.kinds import Kind
 
+_MOST_FRAMES = 10_000_000
+
 
 @dataclass(frozen=True)
 class Whole(Kind):
@@ -53,12 +55,14 @@ class Frames(Kind):
         """Read both; the range must not be empty."""
         shown = show_value(value)
         if isinstance(value, str):
-            found = re.fullmatch(r"\s*(\d{1,7}):(\d{1,7})\s*", value)
+            found = re.fullmatch(r"\s*(\d{1,9}):(\d{1,9})\s*", value)
             value = found and (int(found[1]), int(found[2]))
         is_pair = isinstance(value, tuple | list) and len(value) == 2
         whole = is_pair and all(isinstance(n, int) and not isinstance(n, bool) for n in value)
-        if not whole or not 0 <= value[0] < value[1] <= 10_000_000:
-            raise ValueError(f"must be FIRST:END with 0 <= FIRST < END, as 0:120, got {shown}")
+        if not whole or not 0 <= value[0] < value[1] <= _MOST_FRAMES:
+            raise ValueError(
+                f"must be FIRST:END with 0 <= FIRST < END <= {_MOST_FRAMES}, as 0:120, got {shown}"
+            )
         return value[0], value[1]
 
     def write(self, value: Any) -> str:

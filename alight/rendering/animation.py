@@ -2,12 +2,13 @@ r"""`alight.animate`: many pictures of a scene, each made as `alight.render` mak
 
 Frame n shows the scene while the camera's shutter is open, which counts in frames: with the shutter
 [a, b] of the scene from (n + a) / fps to (n + b) / fps, in the unit of the keyframes. A turntable
-keeps the time and turns the camera about the vertical through the middle of the scene.
+keeps the time and turns the camera about the vertical through the middle of what is seen.
 
 A frame that is there already is kept if its file says that it is this very picture: of the same
 scene, by its hash, with the same samples, kernels and display. So an animation that was killed
-goes on where it was, and one whose end was changed renders the end alone. On a cluster the workers
-share the samples of each frame, and stay from frame to frame.
+goes on where it was, and one whose end was changed renders the end alone. Only EXR and PNG files
+say so, and a film is made from EXR files only. On a cluster the workers share the samples of each
+frame, and stay from frame to frame.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.errors import OptionError, OutputError
+from alight.core.errors import OptionError, OutputError, unknown_name
 from alight.core.version import VERSION
 from alight.films.storage import is_film_file
 from alight.options.animation import AnimationOptions
 from alight.options.entry import takes
 from alight.options.render import RenderOptions
 from alight.outputs import exr, moving, png
-from alight.outputs.image import check_writable, read_image, write_image
+from alight.outputs.image import FORMATS, check_writable, read_image, write_image
 from alight.rendering import main_loop
 from alight.rendering.executors.cluster_executor import joined
 from alight.rendering.render import prepare
@@ -105,6 +106,10 @@ class Animation:
         self._check()
         single = options.of_frame(())
         self.prepared = prepare(scene, single)
+        asked = [name for name in single.aovs if name not in single.layers_of_background]
+        # A film shows what a PNG file does.
+        targets = replace(self.prepared.targets, outputs=self.patterns or [Path("film.png")])
+        self.prepared.useless.extend(targets.useless(asked, single.background != "scene"))
         self.scene, self.current = self.prepared.scene, self.numbers.start
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
@@ -118,10 +123,25 @@ class Animation:
         for path in self.films:
             moving.check_encoder(path)
         for path in self.patterns:
-            if "#" not in path.name or is_film_file(path):
+            if is_film_file(path):
+                raise OptionError(f"films are of single pictures; got {path}", "output")
+            suffixes = [suffix for module in FORMATS for suffix in module.SUFFIXES]
+            if path.suffix.lower() not in suffixes:
+                valid = [*suffixes, *moving.SUFFIXES]
+                raise OptionError(unknown_name("suffix", path.suffix, valid), "output")
+            check_writable(path)
+            if "#" not in path.name:
                 text = f"must hold #### for the number of the frame, got {path}"
                 raise OptionError(text, "output")
-            check_writable(path)
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether frames that are there are kept when the same is asked again."""
+        suffixes = {path.suffix.lower() for path in self.patterns}
+        # 8 bits and a display are too little to make a film from.
+        return bool(suffixes) and suffixes <= {*exr.SUFFIXES, *png.SUFFIXES} and (
+            not self.films or not suffixes.isdisjoint(exr.SUFFIXES)
+        )  # fmt: skip
 
     def render(self) -> list[Path]:
         """Render what is not there, and write everything."""

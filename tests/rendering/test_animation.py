@@ -114,6 +114,8 @@ def test_names_of_frames():
     [
         ({"output": "f_#.png"}, r"give frames, as 0:120, or turntable"),
         ({"output": "f.png", "frames": "0:2"}, r"output: must hold ####"),
+        ({"output": "f.avi", "frames": "0:2"}, r"output: .*avi"),
+        ({"output": "f_####.alight", "frames": "0:2"}, r"output: films are of single pictures"),
         ({"output": "f_#.png", "frames": "2:2"}, r"frames: must be FIRST:END"),
         ({"frames": "0:2"}, r"give output frame_####"),
         ({"output": "f_#.png", "frames": "0:2", "part": "1/2"}, r"part: is for a single picture"),
@@ -169,11 +171,39 @@ def test_a_stopped_command_says_where_it_goes_on(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("names", "goes_on"),
+    [
+        (["f_####.png"], True), (["f_####.exr", "f.gif"], True),
+        (["f_####.exr", "f_####.png", "f.gif"], True),
+        (["f.gif"], False), (["f_####.png", "f.gif"], False), (["f_####.jpg"], False),
+    ],
+)  # fmt: skip
+def test_an_animation_goes_on_where_its_frames_are_kept(tmp_path, renders, names, goes_on):
+    output = [tmp_path / name for name in names]
+    options = AnimationOptions(frames="0:2", output=output, **SMALL)
+    first = Animation("cornell-box", options)
+    first.render()
+    assert first.goes_on == goes_on
+    renders.clear()
+    Animation("cornell-box", options).render()
+    assert (not renders) == goes_on
+
+
+def test_layers_that_no_file_of_a_frame_keeps_are_told(tmp_path):
+    words = ["--frames", "0:1", "--aov", "albedo", "-o"]
+    assert "only EXR keeps layers" in command(*words, tmp_path / "f_####.png").output
+    assert "only EXR keeps layers" not in command(*words, tmp_path / "f_####.exr").output
+
+
+@pytest.mark.parametrize(
     ("words", "message"),
     [
         (["--fps", "8"], "--fps: is for an animation: give --frames, as 0:120, or --turntable"),
         (["-o", "a.mp4"], "--output: a.mp4 holds an animation: give --frames, as 0:120, or --turn"),
-        (["--frames", "3"], "--frames: must be FIRST:END with 0 <= FIRST < END, as 0:120, got"),
+        (
+            ["--frames", "3"],
+            "--frames: must be FIRST:END with 0 <= FIRST < END <= 10000000, as 0:120, got",
+        ),
         (["--frames", "0:2", "-o", "a.exr"], "--output: must hold #### for the number of the"),
         (["--turntable", "--stats", "a.json", "-o", "a_#.png"], "--stats: is for a single picture"),
     ],

@@ -1,1 +1,1 @@
-"""What happens to paths between surfaces: media, bodies that scatter or absorb."""
+"""What happens to paths between surfaces: media, bodies that scatter, absorb or disperse."""

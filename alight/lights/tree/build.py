@@ -1,6 +1,6 @@
 """Building the light tree: from lights with bounds to the table that kernels traverse.
 
-Level by level from the root, all nodes of a level at once (`tree_split`); the cones that are stored
+Level by level from the root, all nodes of a level at once (`split`); the cones that are stored
 in the end bound all of their lights.
 """
 

@@ -1,1 +1,1 @@
-"""The main loop inside a tile: samples become paths, and paths become sums of a film."""
+"""Tiles: how a film is cut into them, and the loop that renders one."""
