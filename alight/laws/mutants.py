@@ -54,6 +54,11 @@ MUTANTS = {
                 "f_cos, pdf = evaluate_bsdf(scene, surface, wo, wi, lit)",
                 _NO_COSINE,
             ),
+            (
+                _DIRECT_LIGHT,
+                "from lanewise.simd import any_lane, lanes, lanes_u32\n",
+                "from lanewise.simd import any_lane, lanes, lanes_u32, where\n",
+            ),
         ),
         "with lights that light sampling finds",
     ),

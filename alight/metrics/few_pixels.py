@@ -23,7 +23,7 @@ class FewPixels:
     """
 
     def __init__(self, replicates: int, size: int) -> None:
-        self._freedom, half = replicates - 1, max(size - 1, 1)
+        self._freedom, half = max(replicates - 1, 1), max(size - 1, 1)
         # Of the product of two halves' squared errors, over its mean: 8 for R = 4.
         self._variance = (1.0 + 2.0 / half) ** 2 - 1.0
         self._sum = self._squares = self._fourth_powers = 0.0
