@@ -12,7 +12,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from alight.core.errors import OptionError, SceneError
@@ -73,8 +72,8 @@ def prepare(scene: Any, options: RenderOptions) -> Prepared:
         options.plugins,
     )  # fmt: skip
     targets.check()
-    for path in options.output:
-        if "##" in Path(path).name:
+    for path in targets.outputs:
+        if "##" in path.name:
             text = f"#### stands for the number of a frame, and this is one picture: {path}"
             raise OptionError(text, "output")
     if options.part and options.output and not any(map(is_film_file, options.output)):

@@ -235,7 +235,7 @@ KNOWN_ERROR = (
     Mutant(
         "all the doubt at every look",
         "rendering/schedules/stopping.py",
-        (("return 0.5 * (1.0 - self.confidence)", "return 1.0 - self.confidence"),),
+        (("doubt = 0.5 * (1.0 - confidence)", "doubt = 1.0 - confidence"),),
         f"{PROMISES}::test_a_look_asks_for_the_error_that_is_not_exceeded",
     ),
     Mutant(

@@ -87,7 +87,7 @@ class Promise:
     @property
     def doubt(self) -> float:
         """Probability that one look may be wrong: half of that of all looks together."""
-        return 0.5 * (1.0 - self.confidence)
+        return look_doubt(self.confidence, 0.0)
 
     def state(self) -> dict[str, Any]:
         """Copy the fields."""
