@@ -30,18 +30,21 @@ class FewPixels:
 
     def add(self, covariances: np.ndarray) -> None:
         """Add pixels: their covariances of channels, weighted, (3, 3, rows, w), d <= c."""
-        trace = np.einsum("cchw->hw", covariances)
-        square = 2.0 * np.einsum("cdhw,cdhw->hw", covariances, covariances, dtype=np.float64)
-        square -= np.einsum("cchw,cchw->hw", covariances, covariances, dtype=np.float64)
-        whole, n = trace.astype(np.float64) ** 2, self._freedom
+        trace = covariances[0, 0] + covariances[1, 1] + covariances[2, 2]
+        whole, n = trace * trace, self._freedom
         # tr(Sigma^2) by normal noise (Wishart's distribution), which three channels share at best.
-        least = whole / (3.0 + 2.0 / n)
+        least = whole / np.float32(3.0 + 2.0 / n)
         if n > 1:
-            square = n * n / ((n + 2.0) * (n - 1.0)) * (square - whole / n)
-            least = np.maximum(least, square)
+            square = whole * np.float32(-1.0 / n)
+            for c in range(3):
+                square += covariances[c, c] ** 2
+                for d in range(c):
+                    square += np.float32(2.0) * covariances[c, d] ** 2
+            square *= np.float32(n * n / ((n + 2.0) * (n - 1.0)))
+            np.maximum(least, square, out=least)
         self._sum += float(trace.sum(dtype=np.float64))
-        self._squares += float(least.sum())
-        self._fourth_powers += float((least * least).sum())
+        self._squares += float(least.sum(dtype=np.float64))
+        self._fourth_powers += float(np.square(least, dtype=np.float64).sum())
 
     def at_least(self, spread: float, value: float) -> float:
         """The sum of sigma^4, given its estimate by products and the sum of sigma^2."""

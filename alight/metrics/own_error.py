@@ -332,17 +332,18 @@ def _quietly(weights: np.ndarray, classes: np.ndarray, b: _Half, epsilon: np.flo
     """
     own = b.brightness * b.brightness
     own += epsilon
-    as_is = b.error < np.float32(_PRECISE) * own
-    as_is |= classes < noisy_pixels.CLASSES
-    quiet = b.brightness - np.sqrt(b.variance)
-    np.maximum(quiet, 0.0, out=quiet)
-    quiet *= quiet
-    quiet += epsilon
-    np.divide(weights, quiet, out=quiet)
-    np.sqrt(quiet, out=quiet)
-    np.maximum(quiet, weights, out=quiet)
-    np.copyto(quiet, weights, where=as_is)
-    return quiet
+    unsure = b.error >= np.float32(_PRECISE) * own
+    unsure &= classes == noisy_pixels.CLASSES
+    some: np.ndarray = np.flatnonzero(unsure)
+    if not some.size:
+        return weights
+    brightness, variance, as_is = (
+        x.ravel().take(some) for x in (b.brightness, b.variance, weights)
+    )
+    quiet = np.maximum(brightness - np.sqrt(variance), 0.0)
+    weights = weights.copy()
+    weights.ravel()[some] = np.maximum(np.sqrt(as_is / (quiet * quiet + epsilon)), as_is)
+    return weights
 
 
 def _spread(
