@@ -10,7 +10,9 @@ from scipy import stats
 from alight.core.errors import OptionError
 from alight.metrics.own_error import estimate_relmse
 from alight.rendering.schedules.stopping import (
+    FIRST_LOOK,
     GROWTH,
+    MOST_LOOKS,
     Promise,
     first_look,
     judge_means,
@@ -292,10 +294,11 @@ def test_half_of_the_doubt_at_every_look_is_enough_up_to_the_deviations_that_are
 
 
 @pytest.mark.parametrize("confidence", [0.5, 0.9, 0.95, 0.999])
-@pytest.mark.parametrize("deviation", [0.1, 0.73, 0.9, 1.1, 2.0, 5.0])
+@pytest.mark.parametrize("deviation", [0.1, 0.73, 0.9, 1.1, 2.0, 5.0, 150.0])
 def test_all_looks_together_keep_the_confidence_whatever_the_deviation(confidence, deviation):
+    assert FIRST_LOOK * GROWTH**MOST_LOOKS > 2**31
     doubt = look_doubt(confidence, deviation)
-    early = stats.norm.isf(doubt) + np.arange(2000) * math.log(GROWTH) / deviation
+    early = stats.norm.isf(doubt) + np.arange(MOST_LOOKS) * math.log(GROWTH) / deviation
     wrong = 1.0 - stats.norm.cdf(early).prod()
     assert wrong <= (1.0 - confidence) * (1.0 + 1e-6)
     # No less than is needed: half of it, or up to a tenth.

@@ -42,6 +42,9 @@ FIRST_LOOK, GROWTH = 16, 1.25
 #: that R = 4 gives Student's distribution with 8.
 _CELL_FREEDOM = 5.0
 
+#: More looks than there are between the first one and the largest number of samples, 2^31.
+MOST_LOOKS = 90
+
 #: Deviation up to which half of the doubt is enough for each look, whatever the confidence.
 ENOUGH_FOR_HALF = 0.73
 
@@ -151,11 +154,8 @@ def look_doubt(confidence: float, deviation: float) -> float:
 
 def _all_looks(doubt: float, deviation: float) -> float:
     """The bound of P above."""
-    right, z, step = 1.0, -_NORMAL.inv_cdf(doubt), math.log(GROWTH) / deviation
-    while z < 8.0:
-        right *= _NORMAL.cdf(z)
-        z += max(step, 1e-3)
-    return 1.0 - right
+    z, step = -_NORMAL.inv_cdf(doubt), math.log(GROWTH) / deviation
+    return 1.0 - math.prod(_NORMAL.cdf(z + m * step) for m in range(MOST_LOOKS))
 
 
 def first_look(replicates: int) -> int:
