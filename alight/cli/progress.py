@@ -111,6 +111,7 @@ class ProgressBar(Bar):
     def __call__(self, progress: Progress) -> None:
         """Show how far the render is."""
         self.phase = progress.phase
+        self._timer.cancel()
         if progress.phase != "render":
             text = COMPILING if progress.phase == "compile" else progress.phase
             self._bar.update(self._task, description=f"{self.title}{text}", total=None)
@@ -119,10 +120,10 @@ class ProgressBar(Bar):
                 self._timer.daemon = True
                 self._timer.start()
             return
-        self._timer.cancel()
         self.film = progress.film
         seconds = max(progress.seconds, 1e-9)
         done, total = float(progress.done_samples), float(progress.total_samples)
+        speed = f"{done / seconds / 1e6:.2f} Msamples/s"
         share = done / total if total else 0.0
         if self._time_limit and seconds / self._time_limit > share:
             # The time will run out first.
@@ -132,11 +133,7 @@ class ProgressBar(Bar):
             description=f"{self.title}rendering",
             completed=done,
             total=total or None,
-            rate=", ".join(
-                filter(
-                    None, (f"{progress.done_samples / seconds / 1e6:.2f} Msamples/s", progress.note)
-                )
-            ),
+            rate=", ".join(filter(None, (speed, progress.note))),
             error=self._current_error(progress),
         )
 

@@ -27,6 +27,9 @@ from alight.rendering.tiles.tile import Kernels, Scratch, render_tile
 #: Units of limb 0 that a sample adds at most, with its carry.
 LARGEST = int(MAX_VALUE * HIGH_SCALE) + 1
 
+#: The rest is cut into so many tasks for each thread at least, so that all end together.
+SHARES = 3
+
 #: Bytes of an answer's header for each block, at most.
 HEADER = 2**16
 

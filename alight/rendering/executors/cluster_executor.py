@@ -16,6 +16,7 @@ from alight.core.errors import OptionError
 from alight.films import PartialFilm
 from alight.integrators.walk import Settings
 from alight.rendering.executors.block_tasks import (
+    SHARES,
     BlockTask,
     Layout,
     SharedScene,
@@ -43,9 +44,6 @@ T = TypeVar("T", bound="ClusterOptions")
 #: Seconds of a task while there is much to do, and of the last ones at least. A task costs the
 #: scheduler some milliseconds.
 LONGEST, SHORTEST = 2.0, 0.1
-
-#: The rest is cut into so many tasks for each thread at least, so that all end together.
-_SHARES = 3
 
 #: Samples per second of a thread, until that is measured.
 _SPEED = 1e5
@@ -219,7 +217,7 @@ class BlockQueue:
         threads : int
             That share what is left.
         """
-        seconds = self._left / (speed * max(threads, 1) * _SHARES)
+        seconds = self._left / (speed * max(threads, 1) * SHARES)
         room = speed * min(max(seconds, SHORTEST), LONGEST)
         found: list[Block] = []
         while self._blocks and (

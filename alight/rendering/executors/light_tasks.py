@@ -26,6 +26,7 @@ from alight.films.tiles import add_sums
 from alight.rendering.executors.block_tasks import (
     HEADER,
     LARGEST,
+    SHARES,
     SharedScene,
     check_counts,
     limbs_of,
@@ -246,7 +247,7 @@ class LightQueue:
             return None
         pixels = math.prod(_size(self._like.window))
         replicate = int(np.where(left > 0, self._next, np.iinfo(np.int64).max).argmin())
-        seconds = min(left.sum() * pixels / (speed * max(threads, 1) * 3), LONGEST)
+        seconds = min(left.sum() * pixels / (speed * max(threads, 1) * SHARES), LONGEST)
         count = min(int(left[replicate]), max(1, round(speed * seconds / pixels)))
         task = replace(
             self._like, replicate=replicate, first=int(self._next[replicate]), count=count
