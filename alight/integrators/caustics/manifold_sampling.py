@@ -213,7 +213,7 @@ def write_add_caustics(listeners):
                 as_hit = replace(path, delta=lanes_mask(True))
                 # What is around the scene is known by its last light.
                 last = lanes_u32(scene.lights.info.size // INFO)
-                row = where(target.far, last, lamp + 1)
+                row = where(target.far & ~target.delta, last, lamp + 1)
                 find(scene, as_hit, row, edges, looking & (total > 0.0), light)
         return replace(path, rays=rays), covered
 

@@ -38,7 +38,7 @@ from alight.integrators.caustics.specular_chain import Plan, Start, follow
 from alight.integrators.interiors.body_walk import enters_body
 from alight.integrators.interiors.enclosing import bodies_beyond
 from alight.integrators.walk import to_world
-from alight.lights.targets import way_to
+from alight.lights.targets import radius_at, way_to
 from alight.media.tables import step_numbers
 from alight.shapes.hit import spawn_origin
 from lanewise.jit import kernel
@@ -88,7 +88,7 @@ def _towards(search, u, v):
     distance = maximum(length(to), 1e-20)
     axis = to * (1.0 / distance)
     # 1 - cos, from the edge of the target to the other side of the world.
-    size = minimum(search.target.radius / distance, 1.0)
+    size = minimum(radius_at(search.target, distance) / distance, 1.0)
     least = maximum(0.5 * size * size, LEAST_TURN)
     local = direction_around_z(minimum(least * exp(u * log(2.0 / least)), 2.0), v)
     s, t = frame_from_normal(axis)
@@ -125,7 +125,8 @@ def search_lamps(scene, search, begin):
     type, found = begin.type, lanes_vec3(0.0)
     drawn, late, rays = w, begin.given, 0
     target = search.target
-    size = 0.5 * target.radius / maximum(length(way_to(target, o)), 1e-20)
+    distance = maximum(length(way_to(target, o)), 1e-20)
+    size = 0.5 * radius_at(target, distance) / distance
     h = minimum(maximum(size, LEAST_STEP), MOST_STEP)
     near = step_numbers(search.stream, search.first + 2)
     while any_lane(stage != ENDED):
