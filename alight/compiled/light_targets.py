@@ -13,8 +13,10 @@ from alight.lights.targets import FINE, SPHERE
 from lanewise.vec3 import Vec3
 
 
-def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) -> np.ndarray:
-    """The choice of a target, the spheres of all lights, and which one is a disk of the sky.
+def targets(
+    rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes, casters: np.ndarray
+) -> np.ndarray:
+    """The choice of a target, the spheres of all lights, which one is a disk of the sky, and boxes.
 
     Parameters
     ----------
@@ -22,10 +24,12 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
         One a light.
     powers : (n,) float64, W
     shapes : CompiledShapes
+    casters : (k, 6) float64, metres
+        Boxes around what casts caustics.
 
     Returns
     -------
-    (n + 1 + 4 n + 1,) float32
+    (n + 1 + 4 n + 1 + 6 k,) float32
     """
     placed = np.array([row.shape >= 0 for row in rows], bool)
     points = {i: powers[i] for i, row in enumerate(rows) if _is_aimed_at(row) and powers[i] > 0.0}
@@ -51,7 +55,7 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
         powers[far] = power
     if not rows:
         return np.zeros(0, np.float32)
-    return np.concatenate([by_power(powers), spheres.ravel(), [far]]).astype(np.float32)
+    return np.concatenate([by_power(powers), spheres.ravel(), [far], casters.ravel()]).astype(np.float32)
 
 
 def _is_aimed_at(row: LightRow) -> bool:

@@ -4,7 +4,8 @@
 of those that can be aimed at, and then for each light the middle and the radius of a sphere around
 its shape as it rests, metres; the radius is 0 of lights that are no targets. Of what is around the
 scene one disk is, the brightest: in the place of the sphere are the unit direction to its middle,
-and the sine of its half angle, negated. The last number of the table is the row of that light.
+and the sine of its half angle, negated. Then follow the row of that light, and two corners of each box around a shape that
+is a mirror or clear glass.
 
 Delta lights have no size. From wherever they are seen they are taken for a disk of one small angle,
 with the irradiance that they have there: `FINE` is its sine, and stands in the table in the place
@@ -37,11 +38,15 @@ from lanewise.simd import (
     lanes_mask,
     lanes_u32,
     minimum,
+    minimum_u32,
+    to_uint,
     where,
 )
 
 #: Numbers of a sphere.
 SPHERE = 4
+#: Numbers of a box.
+BOX = 6
 
 #: Sine of the half angle of the disk that a delta light is taken for.
 FINE = 2e-4
@@ -86,7 +91,32 @@ def choose_target(scene, u):
 @kernel
 def far_light(scene):
     """The row of the light whose disk is the target, where there is one; uniform."""
-    return as_int(scene.lights.targets[scene.lights.targets.size - 1])
+    return as_int(scene.lights.targets[_boxes(scene) - 1])
+
+
+@kernel
+def _boxes(scene):
+    """Where the boxes of casters begin; uniform."""
+    return (scene.lights.info.size // INFO) * (1 + SPHERE) + 2
+
+
+@kernel
+def way_to_caster(scene, p, u, u3):
+    """(mask: there is one, vector from p to a point in the box of one).
+
+    The box is chosen by u, the point by a triple of numbers, all uniform in [0, 1).
+    """
+    first = _boxes(scene)
+    count = (scene.lights.targets.size - first) // BOX
+    # One too many by rounding is the last one.
+    number = minimum_u32(to_uint(u * (1.0 * count)), lanes_u32(0) + max(count, 1) - 1)
+    # Without any, what is read is another table's.
+    row = number * BOX + (first if count > 0 else 0)
+    ax, ay, az, bx = gather_row(scene.lights.targets, row, 4)
+    _, _, by, bz = gather_row(scene.lights.targets, row + 2, 4)
+    x, y, z = u3
+    point = Vec3(ax + x * (bx - ax), ay + y * (by - ay), az + z * (bz - az))
+    return lanes_mask(count > 0), point - p
 
 
 @kernel
