@@ -114,7 +114,8 @@ class Path(PathTracing):
     caustics : {"paths", "manifold"}, default "paths"
         How lamps and the sun are found behind mirrors and clear glass: by paths that happen to hit
         them, or also by manifold sampling (`alight.integrators.caustics.manifold_sampling`), for
-        small ones.
+        small ones. Point, spot and directional lights are hit by no path: their caustics are in
+        the picture with "manifold" alone.
     """
 
     walks_inside: ClassVar[bool] = True

@@ -4,8 +4,8 @@
 of those that can be aimed at, and then for each light the middle and the radius of a sphere around
 its shape as it rests, metres; the radius is 0 of lights that are no targets. Of what is around the
 scene one disk is, the brightest: in the place of the sphere are the unit direction to its middle,
-and the sine of its half angle, negated. Then follow the row of that light, and two corners of each box around a shape that
-is a mirror or clear glass.
+and the sine of its half angle, negated. Then follow the row of that light, and two corners of each
+box around a shape that is a mirror or clear glass.
 
 Delta lights have no size. From wherever they are seen they are taken for a disk of one small angle,
 with the irradiance that they have there: `FINE` is its sine, and stands in the table in the place

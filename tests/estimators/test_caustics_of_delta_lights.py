@@ -1,4 +1,4 @@
-"""Caustics of lamps without a size, which no path finds by chance: closed forms, and light paths."""
+"""Caustics of lamps without a size, which no path hits: closed forms, and light paths."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LAMPS = """
     light: {type: directional, irradiance: [0, 0, 2]}
     transform: [{rotate: {axis: x, angle: 60}}]
 """
-HEIGHT = 2.0
+HEIGHT = 3.0
 UNDER_WATER = """
   water:
     {shape: rectangle, bsdf: water, transform: [{scale: 9}, {rotate: {axis: x, angle: -90}},
@@ -43,7 +43,7 @@ UNDER_WATER = """
 
 
 def test_lamps_light_the_ground_under_water():
-    """The water is 1 m deep, the lamps hang 1 m above it, and the camera is below."""
+    """The water is 1 m deep, the lamps hang 2 m above it, and the camera is below."""
     at, fov = 0.5, 40.0
     text = HEAD % (fov, f"0, {at}, 0.001", "0, 0, 0", "path", 3, ", caustics: manifold")
     film = alight.render(loads(text + UNDER_WATER), spp=4096, seed=3)
@@ -64,26 +64,29 @@ def test_lamps_light_the_ground_under_water():
 
 
 def _irradiance_below(x):
-    """Of a lamp of 1 W/sr, 1 m above water of 1 m, at the distance x from its foot."""
+    """Of a lamp of 1 W/sr, 2 m above water of 1 m, at the distance x from its foot."""
     t = np.linspace(0.0, 1.2, 5_001)[1:]
-    place = np.tan(t) + np.tan(np.arcsin(np.sin(t) / WATER))
+    place = (HEIGHT - 1.0) * np.tan(t) + np.tan(np.arcsin(np.sin(t) / WATER))
     flux = (1.0 - reflected(np.cos(t), WATER)) * np.sin(t)
     return np.interp(x, place, flux / (place * np.gradient(place, t)))
 
 
 #: Above the camera, which sees their caustics alone.
-THINGS = """
+THINGS = (
+    """
   glass: {shape: cube, bsdf: glass, transform: [{scale: 0.2}, {translate: [0.2, 0.6, 0]}]}
   mirror: {shape: {type: sphere, radius: 0.4}, bsdf: mirror, transform: {translate: [-0.6, 0.8, 0]}}
-""" + LAMPS % ("0.2, 1.5, 0.1", "0.1, 1.4, 0")
+"""
+    + LAMPS % ("0.2, 1.5, 0.1", "0.1, 1.4, 0")
+)
 
 
 def test_caustics_are_those_that_light_paths_find():
     (a, error_a), (b, error_b) = (
         blocks(alight.render(loads(HEAD % (30, "0, 0.3, 1.2", "0.1, 0, 0", *way) + THINGS), spp=n))
         for way, n in (
-            (("path", 5, ", caustics: manifold"), 2000),
-            (("light", 5, ""), 10_000),
+            (("path", 5, ", caustics: manifold"), 1500),
+            (("light", 5, ""), 6_000),
         )
     )
     error = np.hypot(error_a, error_b)
@@ -92,4 +95,18 @@ def test_caustics_are_those_that_light_paths_find():
     total, noise = (a - b).sum((0, 1)), np.sqrt((error**2).sum((0, 1)))
     assert (np.abs(total) < LARGEST_Z * noise).all(), total / noise
     # Caustics are 10 to 35 % of all light here.
-    assert (noise < 0.05 * b.sum((0, 1))).all(), noise / b.sum((0, 1))
+    assert (noise < 0.06 * b.sum((0, 1))).all(), noise / b.sum((0, 1))
+
+
+def test_nothing_comes_through_what_lies_in_front():
+    """A dark lid above the water, below the lamps: they light nothing."""
+    lid = """
+  lid:
+    {shape: rectangle, bsdf: lid, transform: [{scale: 9}, {rotate: {axis: x, angle: -90}},
+     {translate: [0, 1.5, 0]}]}
+"""
+    text = HEAD % (40.0, "0, 0.5, 0.001", "0, 0, 0", "path", 3, ", caustics: manifold")
+    text = text.replace("nodes:", "  lid: {type: diffuse, reflectance: 0}\nnodes:")
+    dark, lit = (alight.render(loads(text + UNDER_WATER + more), spp=16) for more in (lid, ""))
+    assert not dark.mean.any()
+    assert lit.mean.any(axis=(0, 1)).all()
