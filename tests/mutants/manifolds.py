@@ -28,12 +28,6 @@ MANIFOLDS = (
         f"{DELTA}::test_nothing_comes_through_what_lies_in_front",
     ),
     Mutant(
-        "delta lights of which nobody has the irradiance at the last surface",
-        "lights/targets.py",
-        (("own(scene, target.light, o, half", "own(scene, target.light, target.c + d, half"),),
-        DAY_AND_LAMPS,
-    ),
-    Mutant(
         "a disk of a delta light of one size in metres",
         "lights/targets.py",
         (("where(target.delta, target.radius * distance, target.radius)", "target.radius"),),
