@@ -86,6 +86,8 @@ class CompiledShapes(NamedTuple):
         Sphere around all finite shapes; radius 1 around the origin if there are none.
     lowest : float or None, metres
         Height of their lowest point.
+    extents : list of (int, (3,), (3,))
+        Row and bounds, metres, of each shape that has bounds, wherever it moves.
     """
 
     tables: ShapeTables
@@ -102,6 +104,7 @@ class CompiledShapes(NamedTuple):
     moving: list[Moving]
     motions: list[int]
     many: list[Many]
+    extents: list[tuple[int, NDArray[Any], NDArray[Any]]]
 
     def boxes(self) -> list[tuple[int, NDArray[np.float32], NDArray[np.float32]]]:
         """Number and bounds, metres, of each shape with a formula and bounds that rests."""
@@ -178,6 +181,7 @@ class _Compiler:
         self.ranges: dict[int, tuple[int, MeshRange]] = {}
         self.moving_ranges: dict[tuple[int, bytes], tuple[int, MeshRange, np.ndarray]] = {}
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
+        self.extents: list[tuple[int, np.ndarray, np.ndarray]] = []
         self.shared = self._find_shared()
 
     def _find_shared(self) -> set[int]:
@@ -346,6 +350,7 @@ class _Compiler:
 
     def _grow(self, low: np.ndarray, high: np.ndarray) -> None:
         self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
+        self.extents.append((len(self.rows) - 1, low, high))
 
     def finish(self, uv_sets: bool) -> CompiledShapes:
         """Join all parts."""
@@ -386,4 +391,5 @@ class _Compiler:
             moving=self.moving,
             motions=self.motions,
             many=self.many,
+            extents=self.extents,
         )

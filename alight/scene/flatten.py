@@ -22,6 +22,7 @@ from alight.scene.meshes import Geometry, geometry
 from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
+from alight.scene.translucent_strands import strand_problems
 from alight.scene.validation import find_problems
 from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words, is_displaced
 
@@ -152,6 +153,10 @@ def flatten(scene: Scene) -> FlatScene:
         flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
         flattener.place(name, node, None)
+    placed = ((one.name, one.shape, flattener.bsdfs[one.bsdf]) for one in flattener.shapes)
+    issues = strand_problems(scene.integrator, placed)
+    if issues:
+        raise SceneError([scene.source.located(issue) for issue in issues])
     standing_in = scene.medium if camera.camera.medium is None else camera.camera.medium
     start_medium = flattener.medium_number(standing_in)
     return FlatScene(
