@@ -133,17 +133,18 @@ def write_moving(path: Path, frames: Iterable[np.ndarray], fps: int, length: int
         elif suffix == ".apng":
             apng.write(beside, frames, fps, length)
         else:
-            _write_gif(beside, frames, 1000 / played_fps(path, fps))
+            _write_gif(beside, frames, round(1000 / played_fps(path, fps)))
 
 
-def _write_gif(path: Path, frames: Iterable[np.ndarray], duration: float) -> None:
+def _write_gif(path: Path, frames: Iterable[np.ndarray], duration: int) -> None:
     from PIL import Image
 
     # Pillow keeps them until the end, one byte for each pixel.
     images = map(Image.fromarray, frames)
-    next(images).save(
-        path, "GIF", save_all=True, append_images=images, duration=duration, loop=0, disposal=1
-    )
+    with path.open("wb") as file:
+        next(images).save(
+            file, "GIF", save_all=True, append_images=images, duration=duration, loop=0, disposal=1
+        )
 
 
 def _write_mp4(path: Path, frames: Iterable[np.ndarray], fps: int) -> None:

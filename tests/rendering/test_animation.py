@@ -104,6 +104,44 @@ def test_moving_pictures_take_the_time_of_all_frames(suffix, tmp_path):
         assert total == pytest.approx(4 * 40)
 
 
+def test_two_frames_in_work_give_what_one_gives(tmp_path):
+    files = {}
+    for threads in (1, 2):
+        folder = tmp_path / str(threads)
+        folder.mkdir()
+        output = [folder / "f_####.png", folder / "f.apng"]
+        words = {**SMALL, "threads": threads, "frames": "0:5", "turntable": True}
+        alight.animate("cornell-box", **words, output=output)
+        files[threads] = [(folder / name).read_bytes() for name in frames_of(folder)]
+        with Image.open(output[1]) as film:
+            for number in range(5):
+                film.seek(number)
+                with Image.open(numbered(output[0], number)) as frame:
+                    assert np.array_equal(np.asarray(film.convert("RGB")), np.asarray(frame))
+    assert files[1] == files[2]
+
+
+@pytest.mark.parametrize("at_once", [1, 2])
+def test_no_frame_is_begun_after_one_that_fails(tmp_path, monkeypatch, at_once):
+    begun, render = [], animation.main_loop.render_film
+
+    def failing(scene, options, executor):
+        begun.append(scene)
+        if len(begun) == 2:
+            raise alight.OutputError("broken")
+        return render(scene, options, executor)
+
+    monkeypatch.setattr(animation.main_loop, "render_film", failing)
+    kept = tmp_path / "f.apng"
+    kept.write_bytes(b"what was there before")
+    with pytest.raises(alight.OutputError, match="broken"):
+        words = {**SMALL, "threads": at_once, "turntable": True}
+        alight.animate("cornell-box", **words, frames="0:9", output=kept)
+    assert len(begun) <= 1 + at_once
+    assert kept.read_bytes() == b"what was there before"
+    assert frames_of(tmp_path) == ["f.apng"]
+
+
 def test_names_of_frames():
     assert numbered(animation.Path("a#/f_###.exr"), 7).as_posix() == "a#/f_007.exr"
     assert numbered(animation.Path("f#_##.exr"), 123).name == "f#_123.exr"
@@ -141,6 +179,19 @@ def test_the_command_says_what_it_kept(tmp_path):
         assert done.exit_code == 0, done.output
         assert done.output.endswith(said)
     assert frames_of(tmp_path) == ["f_0000.exr", "f_0001.exr"]
+
+
+def test_the_command_says_how_fast_a_gif_plays(tmp_path):
+    done = command("--frames", "0:2", "-o", tmp_path / "a.gif", "-o", tmp_path / "a.apng")
+    assert "a.gif: plays 25 frames per second, not 24: GIF counts" in done.output
+    assert "a.apng: plays" not in done.output
+
+
+def test_an_older_name_of_the_command_is_told():
+    done = CliRunner().invoke(app, ["animate", "scene.yaml"])
+    assert done.exit_code == 2
+    assert "--turntable" in done.output
+    assert "--frames" in done.output
 
 
 def test_a_frame_of_the_command_is_that_of_python(tmp_path, renders):
