@@ -69,5 +69,5 @@ def render_frames(
         for path in made.films:
             played = played_fps(path, options.fps)
             if played != options.fps:
-                why = "GIF counts in hundredths of a second, from two on"
-                typer.echo(f"{path}: plays {played:.4g} frames per second, not {options.fps}: {why}")
+                told = f"{played:.4g} frames per second, not {options.fps}"
+                typer.echo(f"{path}: plays {told}: GIF counts in hundredths of a second")

@@ -193,7 +193,8 @@ class Animation:
             begun: deque[Future[np.ndarray]] = deque()
             waiting = iter(self.numbers)
             try:
-                for self.current in self.numbers:
+                for current in self.numbers:
+                    self.current = current
                     for number in islice(waiting, many - len(begun)):
                         begun.append(pool.submit(self._frame, number, crew))
                     yield begun.popleft().result()

@@ -76,7 +76,7 @@ def measured(job: Job, seed: int) -> tuple[Bias, ...]:
     lost = light_beyond(job, cap, seed)
     if not math.isfinite(lost.radiance):
         return (Bias("depth cap", f"{_text(cap)}; what it cuts off could not be measured"),)
-    return (Bias("depth cap", _text(cap), -lost.radiance, lost.error),)
+    return (Bias("depth cap", _text(cap), 0.0 - lost.radiance, lost.error),)
 
 
 def _text(cap: int) -> str:

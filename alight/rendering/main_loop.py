@@ -38,9 +38,7 @@ from alight.scene import FlatScene, Scene
 REPORT_EVERY = 0.1
 
 
-def render_film(
-    scene: Scene, options: RenderOptions, executor: Executor | None = None
-) -> Film:
+def render_film(scene: Scene, options: RenderOptions, executor: Executor | None = None) -> Film:
     """Render a scene until its schedule, a time limit or a cancellation ends it.
 
     Parameters
