@@ -192,7 +192,7 @@ class _Flattener:
     media: list[Coefficients] = field(default_factory=list)
     _lights: dict[int, Light] = field(default_factory=dict)
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
-    _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
+    _bsdf_by_key: dict[str | int | None, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
 
     def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
@@ -260,15 +260,16 @@ class _Flattener:
 
     def bsdf_index(self, bsdf: Bsdf | str | None) -> int:
         """Number a material; equal ones share a number."""
-        bsdf = default_of(Bsdf) if bsdf is None else bsdf
-        if isinstance(bsdf, str) and bsdf in self._bsdf_by_name:
-            return self._bsdf_by_name[bsdf]
-        resolved = resolve_bsdf(bsdf, self.scene, self.files)
+        # The scene holds its descriptions: none takes the place of another while this goes on.
+        key = bsdf if bsdf is None or isinstance(bsdf, str) else id(bsdf)
+        if key in self._bsdf_by_key:
+            return self._bsdf_by_key[key]
+        given = default_of(Bsdf) if bsdf is None else bsdf
+        resolved = resolve_bsdf(given, self.scene, self.files)
         index = self._bsdf_index.setdefault(resolved, len(self.bsdfs))
         if index == len(self.bsdfs):
             self.bsdfs.append(resolved)
-        if isinstance(bsdf, str):
-            self._bsdf_by_name[bsdf] = index
+        self._bsdf_by_key[key] = index
         return index
 
     def geometry_index(self, shape: Shape) -> int:
