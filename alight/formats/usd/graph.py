@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,18 @@ from alight.formats.names import free_name
 from alight.formats.surfaces import Surface
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.curves import read_curves, with_mean_color
-from alight.formats.usd.inherited import children_of, constants_of, handed_down, source_of
-from alight.formats.usd.lights import is_light, read_light
+from alight.formats.usd.inherited import (
+    children_of,
+    constants_of,
+    handed_down,
+    shown_of,
+    source_of,
+)
+from alight.formats.usd.lights import glow_of, is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
 from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade, UsdSkel
-from alight.formats.usd.placing import is_inside, is_placement
+from alight.formats.usd.placing import is_placement, say_what_is_inside
 from alight.formats.usd.points import read_points
 from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
@@ -76,18 +83,9 @@ class Graph(ModelScene):
         for around in self._domes:
             # They stand in the world, not where their prims do.
             self.nodes[free_name("dome", self.nodes, "dome")] = {"light": around}
-
-        self._say_what_is_inside_of_balls()
-
-    def _say_what_is_inside_of_balls(self) -> None:
-        """Tell why it is dark there."""
         eye = [] if self.view is None else [self.view[:3, 3]]
         box = corners(self.bounds.low, self.bounds.high)
-        for path, to_world, radius in self._balls:
-            inside = [is_inside(to_world, radius, points) for points in (box, eye)]
-            if any(inside):
-                text = "it shines outwards only, as UsdLux has it: inside of it is no light"
-                self.stage.report.approximate(f"{path}: {text}; a DomeLight shines from all around")
+        say_what_is_inside(self.stage.report, self._balls, (box, eye))
 
     def _children(self, parent: Any, to_world: Matrix, path: str) -> dict[str, Data]:
         nodes: dict[str, Data] = {}
@@ -269,6 +267,9 @@ class Graph(ModelScene):
         name, material = self._material_of(bound, prim)
         if material.inside is not None:
             name, material = self._body(prim, mesh, material)
+        emission = glow_of(self.stage, prim, material.emission, triangles, to_world)
+        material = replace(material, emission=emission)
+        self.is_lit |= prim.HasAPI(UsdLux.MeshLightAPI)
         return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
 
     def _body(self, prim: Any, shape: Data | Mesh, material: Surface) -> tuple[str, Surface]:
@@ -301,10 +302,7 @@ class Graph(ModelScene):
         """Name and content of the material of a prim or of a part of it."""
         material, _ = UsdShade.MaterialBindingAPI(bound).ComputeBoundMaterial()
         # Materials may use the primvars of the prim; without a material, only they count.
-        color = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-        shown = str(color.Get(self.stage.time)) if color and color.HasValue() else ""
-        if len(shown) > 200:
-            shown = str(prim.GetPath())
+        shown = shown_of(self.stage, prim)
         constants = constants_of(self.stage, prim) if material else ()
         key = (source_of(material.GetPrim()) if material else "", shown, constants)
         if key not in self._materials:

@@ -44,7 +44,19 @@ def plain_material(stage: Stage, prim: Any) -> Surface:
                 color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
         elif table is not None:
             color = {"type": "vertex_color", "fallback": 0.18}
-    return Surface({"type": "diffuse", "reflectance": color})
+    return Surface({"type": "diffuse", "reflectance": color}, opacity=_display_opacity(stage, prim))
+
+
+def _display_opacity(stage: Stage, prim: Any) -> float:
+    """The displayOpacity of a prim; its mean where it varies."""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
+    table = stage.table(primvar) if primvar and primvar.HasValue() else None
+    if table is None or table.shape[1:] != (1,) or not len(table):
+        return 1.0
+    table = table.clip(0.0, 1.0)
+    if table.max() > table.min():
+        stage.report.approximate(f"{prim.GetPath()}: displayOpacity varies: its mean is shown")
+    return float(table.mean())
 
 
 def read_material(stage: Stage, material: Any, prim: Any) -> Surface:
