@@ -80,6 +80,19 @@ def has_set(triangles: Triangles, name: str) -> bool:
     return _UVS + name in triangles.values
 
 
+def say_what_is_lacking(
+    stage: Stage, prim: Any, asked: Sequence[str], triangles: Triangles
+) -> None:
+    """Tell which of the texture coordinates that a material asks for a mesh does not have."""
+    lacking = [name for name in asked if not has_set(triangles, name)]
+    if lacking:
+        instead = "others" if len(lacking) < len(asked) else "barycentric ones"
+        stage.report.approximate(
+            f"{prim.GetPath()}: it lacks the coordinates {' and '.join(lacking)}, which its "
+            f"material asks for; {instead} are taken"
+        )
+
+
 def _polygons(stage: Stage, prim: Any, sets: Sequence[str]) -> Polygons | None:
     mesh = UsdGeom.Mesh(prim)
     points = np.array(stage.value(mesh.GetPointsAttr(), []), np.float64).reshape(-1, 3)
