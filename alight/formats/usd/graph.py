@@ -266,10 +266,9 @@ class Graph(ModelScene):
         to_world: Matrix,
         whole: bool,
     ) -> Data:
-        sets = self._sets_of(bound, prim)
         say_what_is_lacking(self.stage, prim, self._material_of(bound, prim)[1].sets, triangles)
         try:
-            mesh = mesh_of(arrays_of(triangles, sets, chosen))
+            mesh = mesh_of(arrays_of(triangles, self._sets_of(bound, prim), chosen))
         except SceneError as error:
             self.stage.problem(prim, error.issues[0].sentence)
             raise SceneError(self.stage.report.issues) from None
@@ -294,6 +293,7 @@ class Graph(ModelScene):
         return self._bsdf_name(("body", str(prim.GetPath())), material, None, prim), material
 
     def _shining(self, data: Data, material: Surface, to_world: Matrix) -> Data:
+        data["shape"] = self.lifting.lift(data["shape"], material.heights, self.bounds, to_world)
         if isinstance(data["shape"], Mesh):
             self.shine(data["shape"], material, to_world)
         elif material.emission is not None:
