@@ -210,8 +210,6 @@ EXAMPLES = (
     ),
     Principled(base_color=(0.9, 1.0, 0.9), transmission=0.7, thin=True, roughness=0.5,
                sheen_color=(0.1, 0.2, 0.3), clearcoat=0.3, clearcoat_roughness=0.5),
-    Principled(base_color=(0.2, 0.3, 0.7), clearcoat=1.0, clearcoat_roughness=0.6,
-               clearcoat_normal=(0.7, 0.4, 0.9)),
     Principled(base_color=1.0, roughness=1.0, compensation=False, metallic=0.5, transmission=0.5),
 )  # fmt: skip
 

@@ -62,16 +62,17 @@ def _by_loop(stage: Stage, mesh: Any, polygons: Polygons) -> Polygons:
         problem = "has faces that are no triangles"
     elif len(creases) or len(corners):
         problem = "has creases or corners"
-    levels = _levels(polygons)
-    faces = polygons.corners.reshape(-1, 3) if not problem else np.zeros((0, 3), np.int64)
-    try:
-        points, normals, faces = subdivide(polygons.points, faces, levels)
-    except NotManifoldError as error:
-        problem = str(error)
-    if problem:
+    levels, found = _levels(polygons), None
+    if not problem:
+        try:
+            found = subdivide(polygons.points, polygons.corners.reshape(-1, 3), levels)
+        except NotManifoldError as error:
+            problem = str(error)
+    if found is None:
         text = f"Loop's scheme, and it {problem}: its control mesh is shown"
         stage.report.approximate(f"{mesh.GetPath()}: {text}")
         return polygons
+    points, normals, faces = found
     _say_how(stage, mesh, levels, "Loop's, corners of borders rounded")
     values = {name: table for name, table in polygons.values.items() if name != "normals"}
     for _ in range(levels):

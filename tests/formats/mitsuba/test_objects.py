@@ -76,25 +76,6 @@ def test_metals_by_name(name):
     np.testing.assert_allclose(found.k, METALS[name][1], atol=1e-4)
 
 
-@pytest.mark.parametrize("kind", ["conductor", "roughconductor"])
-def test_metals_without_a_name_are_copper_in_old_files(kind):
-    named = read_bsdf('<string name="material" value="Cu"/>', f'type="{kind}"', "0.5.0")
-    assert read_bsdf("", f'type="{kind}"', "0.5.0") == named
-    assert read_bsdf("", f'type="{kind}"') != named
-
-
-@pytest.mark.parametrize(
-    ("gamma", "space", "is_told"), [(1.0, "linear", 0), (-1.0, "auto", 0), (1.8, "auto", 1)]
-)
-def test_pictures_of_old_files_may_be_linear(gamma, space, is_told):
-    body = f"""<texture type="bitmap" name="reflectance">
-    <string name="filename" value="letters.png"/>
-    <float name="gamma" value="{gamma}"/></texture>"""
-    scene = read(f'<bsdf id="it" type="diffuse">{body}</bsdf>', "0.5.0")
-    assert scene.bsdfs["it"].reflectance.color_space == space
-    assert len([w for w in scene.warnings if "gamma" in w]) == is_told
-
-
 def test_index_outside_of_a_conductor_is_one_of_old_files():
     body = '<rgb name="eta" value="2"/><rgb name="k" value="3"/><float name="extEta" value="1.6"/>'
     found = read_bsdf(body, 'type="conductor"', "0.6.0")
