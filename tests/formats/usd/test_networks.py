@@ -257,6 +257,7 @@ def Material "plain" {
 def test_parts_of_a_mesh_may_close_a_body_together(tmp_path):
     """Each has its own; an open mesh, or one with a part that is no body, has none."""
     looks, said = looks_of(tmp_path, OCTAHEDRON, "</n>")
+    assert {bsdf.type_name() for bsdf in looks.values()} == {"subsurface"}
     assert looks["top"].radius == (2.0, 2.0, 2.0)
     assert looks["rest"].radius == (1.0, 0.5, 0.25)
     assert not any("inside out" in text for text in said)
