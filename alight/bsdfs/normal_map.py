@@ -6,7 +6,8 @@ with the picture's channels r, g, b (read as they are, without a decoding of col
 c. x runs along growing u, y along growing v of the picture (of its `uv_set`, after its `to_uv`), z
 along the surface's normal, on charts that are mirrored too; with `follow_uv` off, x runs along the
 surface's own u, and y is always z times x, as Mitsuba has it. See `alight.bsdfs.relief` for the
-rims. Of several maps on one material the innermost one counts.
+rims. Of several maps on one material the innermost one counts. A coat of `principled` that has
+normals of its own, or those of the surface, does not follow (`clearcoat_normal`).
 
 Source: Blinn 1978, Simulation of wrinkled surfaces; glTF 2.0, section 3.9.3, for the scale; the
 plug-in ``normalmap`` of Mitsuba 3.
