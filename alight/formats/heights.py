@@ -6,12 +6,13 @@ is -b / s. Meshes are cut into triangles fine enough for a picture, but no more 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from alight.core.fields import LARGEST
 from alight.formats.bounds import Bounds
 from alight.formats.names import free_name
 from alight.formats.report import Report
@@ -22,6 +23,7 @@ from alight.shapes.mesh import Mesh
 MOST_OF_MESH, MOST_OF_ALL = 150_000, 3_000_000
 #: Edges of the diagonal of a mesh's box, as the native format has them by default.
 _FINEST = 256
+_SHORTEST = 1e-12
 #: Area of a triangle over the square of the longest edge allowed: edges have half of it at least.
 _SHARE = 0.2
 
@@ -84,6 +86,9 @@ class Lifting:
         """
         if heights is None or heights.reach == 0.0:
             return shape
+        if not heights.reach <= LARGEST:
+            self.report.approximate("displacement is left out where it is no length of a world")
+            return shape
         if not isinstance(shape, Mesh):
             self.report.approximate("displacement is left out of what is no mesh")
             return shape
@@ -97,12 +102,11 @@ class Lifting:
         assert mesh.vertices is not None
         assert mesh.faces is not None
         points = mesh.vertices.astype(np.float64)
-        a, b, c = (points[mesh.faces[:, k]] for k in range(3))
-        area = float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
         low, high = points.min(axis=0), points.max(axis=0)
-        finest = float(np.linalg.norm(high - low)) / _FINEST
-        edge = max(finest, math.sqrt(area / (_SHARE * MOST_OF_MESH)), 1e-12)
-        count = area / (_SHARE * edge * edge) + len(mesh.faces)
+        corners = points[mesh.faces]
+        edge = max(float(np.linalg.norm(high - low)) / _FINEST, _SHORTEST)
+        while (count := _pieces(corners, edge)) > MOST_OF_MESH > len(mesh.faces):
+            edge *= 1.25
         if len(mesh.faces) > MOST_OF_MESH or self.count + count > MOST_OF_ALL:
             text = f"displacement is left out of some meshes: {MOST_OF_ALL} triangles are too many"
             self.report.approximate(text)
@@ -125,3 +129,13 @@ class Lifting:
             name = free_name("heights", self.textures, "heights")
             self.textures[name] = value
         return name
+
+
+def _pieces(corners: NDArray[np.float64], edge: float) -> float:
+    """About how many triangles there are when none of (t, 3, 3) has longer edges."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    # Needles have pieces along their length, however small they are.
+    pieces = areas / (_SHARE * edge * edge) + np.where(longest > edge, 2.0 * longest / edge, 0.0)
+    return float(pieces.sum()) + len(corners)

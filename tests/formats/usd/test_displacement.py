@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from alight.formats.bounds import Bounds
+from alight.formats.heights import Heights, Lifting
+from alight.formats.report import Report
 from alight.scene.flatten import flatten
+from alight.shapes.mesh import Mesh
 from tests.formats.bare import load
 from tests.formats.usd.stage import SQUARE, shapes, stage_text
 
@@ -129,3 +133,26 @@ def test_the_camera_sees_what_is_lifted(mesh_of):
         _, scene = mesh_of(PREVIEW % f"float inputs:displacement = {height}")
         origins.append(scene.camera.transform.matrix[:3, 3])
     assert np.linalg.norm(origins[1]) > np.linalg.norm(origins[0]) + 2.0
+
+
+def test_needles_and_many_triangles_are_not_cut_too_fine():
+    """A mesh never has more than the budget, however long and thin its triangles are."""
+    lifting = Lifting(Report(), {})
+    n = 20_000
+    x = np.arange(n, dtype=np.float32)
+    vertices = np.stack([0 * x, x, 0 * x, 0 * x + 1e4, x, 0 * x, 0 * x, x + 1e-3, 0 * x], 1)
+    mesh = Mesh(
+        vertices=vertices.reshape(-1, 3), faces=np.arange(3 * n, dtype=np.int32).reshape(-1, 3)
+    )
+    lifted = lifting.lift(mesh, Heights(1.0, 2.0), Bounds(), np.eye(4))
+    assert lifted.displacement_edge > np.sqrt(2.0) * 2e4 / 256
+    assert lifting.count <= 150_000
+
+
+@pytest.mark.parametrize("scale", [float("inf"), float("nan"), 1e300])
+def test_heights_that_are_no_lengths_are_left_out(scale):
+    report = Report()
+    mesh = Mesh(vertices=np.eye(3, dtype=np.float32), faces=np.array([[0, 1, 2]], np.int32))
+    lifted = Lifting(report, {}).lift(mesh, Heights(1.0, scale), Bounds(), np.eye(4))
+    assert lifted is mesh
+    assert report.warnings
