@@ -128,7 +128,7 @@ PRINCIPLED = (
         "samples that their own lobe does not send out",
         "bsdfs/principled_coat.py",
         (("sent = where(coat, over, below_sends)", "sent = over | below_sends"),),
-        "tests/laws/test_bsdfs.py::test_it_obeys_the_laws_of_bsdfs[normal_map-4]",
+        f"{COATS}::test_the_laws_of_bsdfs_hold[tilted]",
     ),
     Mutant(
         "pictures of a coat's normals that do not turn",

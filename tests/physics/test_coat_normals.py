@@ -6,7 +6,9 @@ import pytest
 from alight.bsdfs.normal_map import NormalMap
 from alight.bsdfs.principled import Principled
 from alight.bsdfs.two_sided import TwoSided
+from alight.laws.check import CHECKS
 from alight.laws.materials import Material
+from alight.laws.report import Report
 from alight.laws.statistics import unit_vectors
 from alight.textures.bitmap import Bitmap
 
@@ -118,3 +120,17 @@ def is_plainly_seen(wo):
     n = 2.0 * np.array(BENT) - 1.0
     n /= np.linalg.norm(n)
     return 2.0 * (n @ wo) * n[2] - wo[2] > 0.2
+
+
+@pytest.mark.parametrize(
+    "bsdf",
+    [
+        Principled(**BELOW["plastic"], **COAT, clearcoat_normal=(0.7, 0.4, 0.9)),
+        mapped(Principled(transmission=0.7, thin=True, **COAT, clearcoat_normal=FLAT)),
+    ],
+    ids=["tilted", "sheet"],
+)
+def test_the_laws_of_bsdfs_hold(bsdf):
+    """A sample of one frame's lobe may lie where only the other frame's lobes send light."""
+    report = Report(bsdf.type_name(), tuple(CHECKS["bsdfs"]([bsdf], False)))
+    assert report, str(report)
