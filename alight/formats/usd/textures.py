@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
+from alight.formats.heights import Heights
 from alight.formats.reach import OutOfReachError, UnreadableError
 from alight.formats.textures import (
     CHECKERED,
@@ -116,6 +117,17 @@ class Textures:
             text = "without a bias of -1 its normals lean to +x and +y everywhere, as the file says"
             self._approximate(shader, text)
         return normals(picture, scale[:3], bias[:3])
+
+    def heights(self, shader: Any, output: str) -> Heights | None:
+        """One channel of a UsdUVTexture as heights, which its bias may put below the surface."""
+        if str(shader.GetIdAttr().Get()) != "UsdUVTexture":
+            return None
+        picture = self.bitmap(shader, is_color=False)
+        if picture is None:
+            return None
+        name = output if output in _CHANNELS else "r"
+        scale, bias = (part[_CHANNELS.index(name)] for part in self._range(shader))
+        return Heights.of(channel(picture, name), scale, bias)
 
     def _range(self, shader: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """What the four channels of a picture are multiplied by, and what is added."""
