@@ -38,6 +38,8 @@ def read_wraps(path: Path) -> tuple[str, str]:
 
 def _wraps_in(header: Mapping[str, Any]) -> tuple[str, str]:
     both = str(header.get("wrapmodes", "")).split(",")
-    found = [str(header.get(f"wrap{axis}", "")) or both[i % len(both)] for i, axis in enumerate("ST")]
+    found = [
+        str(header.get(f"wrap{axis}", "")) or both[i % len(both)] for i, axis in enumerate("ST")
+    ]
     u, v = (_NAMES.get(wrap.strip(), wrap.strip()) for wrap in found)
     return u, v

@@ -62,7 +62,8 @@ def step(kind, rng):
     if kind == "lookat":
         points = rng.normal(size=(3, 3))
         words = " ".join(
-            f'{name}="{listed(p)}"' for name, p in zip(("origin", "target", "up"), points, strict=True)
+            f'{name}="{listed(p)}"'
+            for name, p in zip(("origin", "target", "up"), points, strict=True)
         )
         return f"<lookat {words}/>", looking(*points)
     matrix = np.eye(4)

@@ -75,7 +75,9 @@ def test_sides_of_a_cube_show_pictures_as_in_mitsuba():
     found = {}
     for face in mesh.faces.reshape(6, 6):
         own = np.unique(face)
-        at = {tuple(uv): mesh.vertices[i] for i, uv in zip(own, mesh.uvs[own].tolist(), strict=True)}
+        at = {
+            tuple(uv): mesh.vertices[i] for i, uv in zip(own, mesh.uvs[own].tolist(), strict=True)
+        }
         corner = at[0.0, 0.0]
         u, v = at[1.0, 0.0] - corner, at[0.0, 1.0] - corner
         normal = tuple(np.rint(mesh.vertices[own].mean(axis=0)).astype(int).tolist())

@@ -69,8 +69,9 @@ def test_each_place_of_the_film_shows_what_it_does_in_pbrt(size, kind, window):
     film = f'Film "rgb" "integer xresolution" {width} "integer yresolution" {height}\n'
     scene = read(BALL, f'{text}Camera "{kind}" {given}\n{film}')
     places = rng.uniform(0.0, 1.0, (20, 2)) * size
-    sx, sy = half * x * (2.0 * places[:, 0] / width - 1.0), half * y * (
-        1.0 - 2.0 * places[:, 1] / height
+    sx, sy = (
+        half * x * (2.0 * places[:, 0] / width - 1.0),
+        half * y * (1.0 - 2.0 * places[:, 1] / height),
     )
     for depth, found in zip((1.0, 2.0), seen_at(scene, places), strict=True):
         spread = depth if kind == "perspective" else 1.0

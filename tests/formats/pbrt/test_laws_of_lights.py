@@ -41,9 +41,7 @@ def row(scene, matrix=None):
     """What kernels know of the only light, after a matrix has moved it."""
     [placed] = flatten(scene).lights
     matrix = np.eye(4) if matrix is None else matrix
-    color, numbers = LIGHTS[placed.light.type_name()].place(
-        placed.light, matrix @ placed.to_world
-    )
+    color, numbers = LIGHTS[placed.light.type_name()].place(placed.light, matrix @ placed.to_world)
     return [*color, *numbers]
 
 

@@ -1,0 +1,219 @@
+"""Bugs of what other programs lay down: frames, formulas of shapes, spaces; and of what films hold."""
+
+from tests.mutants.mutant import Mutant
+
+PBRT = "tests/formats/pbrt/test_laws_of_cameras_and_films.py"
+PBRT_LIGHTS = "tests/formats/pbrt/test_laws_of_lights.py"
+PBRT_SHAPES = "tests/formats/pbrt/test_laws_of_shapes.py"
+MITSUBA = "tests/formats/mitsuba/test_laws_of_frames.py"
+MITSUBA_MORE = "tests/formats/mitsuba/test_laws_of_spectra_and_grids.py"
+PLACES = "tests/formats/materialx/test_laws_of_places.py"
+BRUSH = f"{PLACES}::test_brushes_stretch_facets_as_their_shader_says"
+FILM = "tests/film/test_all_that_a_film_holds.py"
+WRAPS = "tests/formats/usd/test_wraps_of_pictures.py"
+
+LAID_DOWN = (
+    Mutant(
+        "a crop of pbrt that ends above its last row",
+        "formats/pbrt/settings.py",
+        (("[math.ceil(size[1] * y) for y in (y0, y1)]", "[int(size[1] * y) for y in (y0, y1)]"),),
+        f"{PBRT}::test_crops_hold_the_pixels_that_pbrt_renders[0]",
+    ),
+    Mutant(
+        "bounds of pixels by their corners",
+        "formats/pbrt/settings.py",
+        (
+            (
+                "ends = [int(x) for x in limits[:2]], [int(y) for y in limits[2:]]",
+                "ends = [int(x) for x in limits[::2]], [int(y) for y in limits[1::2]]",
+            ),
+        ),
+        f"{PBRT}::test_crops_hold_the_pixels_that_pbrt_renders[1]",
+    ),
+    Mutant(
+        "an upright picture of pbrt whose angle lies across its height",
+        "formats/pbrt/settings.py",
+        (("else [-1.0, 1.0, -1 / aspect, 1 / aspect]", "else [-aspect, aspect, -1.0, 1.0]"),),
+        f"{PBRT}::test_each_place_of_the_film_shows_what_it_does_in_pbrt[-perspective-size1]",
+    ),
+    Mutant(
+        "a bell of pbrt by its variance",
+        "formats/pbrt/settings.py",
+        (("1.0 / math.sqrt(2.0 * alpha) if", "1.0 / (2.0 * alpha) if"),),
+        f"{PBRT}::test_filters_are_those_of_pbrt[gaussian-True]",
+    ),
+    Mutant(
+        "a shutter of pbrt 3 that exposes",
+        "formats/pbrt/settings.py",
+        (
+            (
+                "        return sorted((open_, close))",
+                "        context.exposure *= close - open_\n        return sorted((open_, close))",
+            ),
+        ),
+        f"{PBRT_LIGHTS}::test_what_exposes_the_film_brightens_every_light[point]",
+    ),
+    Mutant(
+        "a lamp of pbrt that starts from where the world does",
+        "formats/pbrt/lights.py",
+        (
+            (
+                'place = _moved(matrix, p.triple("from", (0.0, 0.0, 0.0)))',
+                'place = matrix[:3, 3] + p.triple("from", (0.0, 0.0, 0.0))',
+            ),
+        ),
+        f"{PBRT_LIGHTS}::test_what_transforms_the_world_moves_a_light[point]",
+    ),
+    Mutant(
+        "an illuminance that comes from below too",
+        "formats/pbrt/lights.py",
+        (("np.maximum(z, 0.0) * (square", "np.abs(z) * (square"),),
+        f"{PBRT_LIGHTS}::test_illuminance_is_that_of_the_upper_half_as_pbrt_adds_it_up",
+    ),
+    Mutant(
+        "a cubic term of roughness that is ten times as large",
+        "formats/pbrt/roughness.py",
+        (("x * (0.0171201", "x * (0.171201"),),
+        f"{PBRT_LIGHTS}::test_roughness_of_pbrt_3_is_its_polynomial",
+    ),
+    Mutant(
+        "two control points of a spline change places",
+        "formats/pbrt/strands.py",
+        (("[0, 4, 2, 0], [0, 2, 4, 0]", "[0, 2, 4, 0], [0, 4, 2, 0]"),),
+        f"{PBRT_SHAPES}::test_splines_are_the_curves_that_their_points_define[4-3]",
+    ),
+    Mutant(
+        "a hyperboloid that begins to turn at x",
+        "formats/pbrt/shapes_of_3.py",
+        (("z, u * phi + np.arctan2(y, x))", "z, u * phi)"),),
+        f"{PBRT_SHAPES}::test_vertices_lie_where_their_coordinates_say[hyperboloid-0]",
+    ),
+    Mutant(
+        "a bell of Mitsuba that ends at two pixels",
+        "formats/mitsuba/films.py",
+        (('draft.put("radius", 4.0 * stddev, "stddev")', 'draft.put("radius", 2.0, "stddev")'),),
+        f"{MITSUBA}::test_filters_are_those_of_mitsuba[gaussian-True]",
+    ),
+    Mutant(
+        "small matrices of Mitsuba by their columns",
+        "formats/mitsuba/transforms.py",
+        (("numbers.reshape(3, 3)", "numbers.reshape(3, 3).T"),),
+        f"{MITSUBA}::test_transforms_apply_one_after_the_other[small matrix]",
+    ),
+    Mutant(
+        "pictures of Mitsuba that are turned over before they are placed",
+        "formats/mitsuba/textures.py",
+        (
+            (
+                '[*steps, {"scale": [1.0, -1.0]}, {"translate": [0.0, 1.0]}]',
+                '[{"scale": [1.0, -1.0]}, {"translate": [0.0, 1.0]}, *steps]',
+            ),
+        ),
+        f"{MITSUBA}::test_bitmaps_are_looked_up_row_by_row_from_their_top[False]",
+    ),
+    Mutant(
+        "half as much reflection as specular says",
+        "formats/mitsuba/bsdfs.py",
+        (("math.sqrt(0.08 *", "math.sqrt(0.04 *"),),
+        f"{MITSUBA_MORE}::"
+        "test_specular_is_the_reflection_straight_on_over_eight_per_cent[0.5]",
+    ),
+    Mutant(
+        "regular spectra that end where eyes do",
+        "formats/mitsuba/colors.py",
+        (('p.number("wavelength_max", 830.0)', 'p.number("wavelength_max", 780.0)'),),
+        f"{MITSUBA_MORE}::test_regular_spectra_begin_and_end_where_the_observer_does",
+    ),
+    Mutant(
+        "the box of a grid moves its transform",
+        "formats/mitsuba/interiors.py",
+        (("rows = (matrix @ box_of(path, name))", "rows = (box_of(path, name) @ matrix)"),),
+        f"{MITSUBA_MORE}::test_the_box_of_a_grid_is_moved_as_a_whole",
+    ),
+    Mutant(
+        "sides of a cube upside down",
+        "formats/mitsuba/shapes.py",
+        (
+            (
+                "[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]",
+                "[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]",
+            ),
+        ),
+        f"{MITSUBA_MORE}::test_sides_of_a_cube_show_pictures_as_in_mitsuba",
+    ),
+    Mutant(
+        "a space of ACES with television's primaries",
+        "formats/materialx/spaces.py",
+        (('"g22_ap1": (_gamma(2.2), _AP1)', '"g22_ap1": (_gamma(2.2), np.eye(3))'),),
+        "tests/formats/materialx/test_laws_of_spaces.py::"
+        "test_colours_are_those_of_their_primaries_and_curve[g22_ap1]",
+    ),
+    Mutant(
+        "coordinates of OpenUSD that turn with the clock",
+        "formats/materialx/placing.py",
+        (
+            (
+                'rotate(-self.numbers(node, "rotation", (0.0,))[0])',
+                'rotate(self.numbers(node, "rotation", (0.0,))[0])',
+            ),
+        ),
+        f"{PLACES}::test_nodes_of_coordinates_are_their_formulas_one_after_the_other"
+        "[UsdTransform2d]",
+    ),
+    Mutant(
+        "a brush whose turns are degrees",
+        "formats/materialx/standard_surface.py",
+        (("2.0 * math.pi * turned", "math.radians(turned)"),),
+        f"{BRUSH}[0.2-0.2]",
+    ),
+    Mutant(
+        "a brush of OpenPBR that is strongest where it is weak",
+        "formats/materialx/shading.py",
+        (("2.0 / (1.0 + (1.0 - strength) ** 2)", "2.0 / (1.0 + strength**2)"),),
+        f"{BRUSH}[0.2-0.2]",
+    ),
+    Mutant(
+        "a picture whose wrap along u holds along v too",
+        "formats/usd/textures.py",
+        (("wrap = own[axis]", "wrap = own[0]"),),
+        f"{WRAPS}::test_pictures_say_what_is_beyond_their_edges[png-wraps0]",
+    ),
+    Mutant(
+        "a picture that is left along v is told of where it is left along u",
+        "formats/usd/textures.py",
+        (("along = table[:, :2] @ matrix[axis, :2]", "along = table[:, :2] @ matrix[0, :2]"),),
+        f"{WRAPS}::test_a_picture_that_says_nothing_repeats_and_it_is_told_where_it_shows"
+        "[1.5-1.0]",
+    ),
+    Mutant(
+        "a film whose light came by chance is read as one that found it",
+        "films/storage.py",
+        (('film.by_chance = bool(described.get("by_chance"))', "film.by_chance = False"),),
+        f"{FILM}::test_nothing_is_lost[file]",
+    ),
+    Mutant(
+        "names of the first sample over all of them",
+        "films/film.py",
+        (("n = np.minimum(n, 1) if name in tiles.FIRST_SAMPLE_LAYERS else n", "n = n * 1"),),
+        f"{FILM}::test_layers_that_name_things_hold_the_first_sample_whole",
+    ),
+    Mutant(
+        "tables of a window by the rows of the whole film",
+        "films/tiles.py",
+        (("(top + y) * film.crop[2] + left + x", "(top + y) * film.width + left + x"),),
+        f"{FILM}::test_tables_of_tiles_go_where_their_pixels_are",
+    ),
+    Mutant(
+        "the error of alpha as if its mean were known",
+        "films/readout.py",
+        (("np.where(n > 1, n - 1.0, np.nan)", "np.where(n > 1, n, np.nan)"),),
+        f"{FILM}::test_the_error_of_alpha_is_that_of_a_mean_of_hits",
+    ),
+    Mutant(
+        "frames in a notebook that take as long as the render",
+        "view/notebook.py",
+        (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),
+        "tests/view/test_notebook.py::"
+        "test_frames_take_their_share_of_the_time_and_no_more",
+    ),
+)  # fmt: skip
