@@ -10,8 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
-
 from alight.outputs import exr
 
 _NAMES = {"periodic": "repeat"}
@@ -28,6 +26,8 @@ def read_wraps(path: Path) -> tuple[str, str]:
         if start == b"\x76\x2f\x31\x01":
             return _wraps_in(exr.read_header(path))
         if start == b"\x89PNG":
+            from PIL import Image
+
             with Image.open(path, formats=("PNG",)) as image:
                 return _wraps_in(image.info)
     except Exception:

@@ -1,4 +1,4 @@
-"""Bugs of what other programs lay down: frames, formulas of shapes, spaces; and of what films hold."""
+"""Bugs of what other programs lay down: frames, formulas, spaces; and of what films hold."""
 
 from tests.mutants.mutant import Mutant
 

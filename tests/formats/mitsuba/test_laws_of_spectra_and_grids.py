@@ -1,4 +1,4 @@
-"""Spectra, indices, boxes of grids and sides of cubes of Mitsuba, by its documentation's formulas."""
+"""Spectra, indices, boxes of grids and sides of cubes, as the documentation of Mitsuba has them."""
 
 import struct
 
