@@ -210,6 +210,45 @@ LAID_DOWN = (
         f"{FILM}::test_the_error_of_alpha_is_that_of_a_mean_of_hits",
     ),
     Mutant(
+        "any lamp is the one that a chain was led to",
+        "integrators/caustics/specular_chain.py",
+        (("arrived & (surface.light == target.light + 1)", "arrived & (surface.light != 0)"),),
+        "tests/estimators/test_chains_end_at_their_lamp.py::"
+        "test_lamps_before_each_other_are_told_apart",
+    ),
+    Mutant(
+        "waves of pbrt as fine as they are coarse",
+        "formats/pbrt/patterns.py",
+        (("(size * np.diag(linear)).tolist()", "(np.diag(linear) / size).tolist()"),),
+        "tests/formats/pbrt/test_stand_ins.py::test_waves_are_finer_by_their_scale[marble-3.0]",
+    ),
+    Mutant(
+        "two greens of a space change places",
+        "formats/pbrt/colors.py",
+        (("[-0.0196, -0.0786, 1.0982]", "[-0.0786, -0.0196, 1.0982]"),),
+        f"{PBRT_LIGHTS}::test_colours_are_those_of_the_space_that_is_named[dci-p3-p3]",
+    ),
+    Mutant(
+        "a bias that is a part of the light with it",
+        "films/ledger.py",
+        (("whole = mean - self.effect", "whole = mean + self.effect"),),
+        "tests/film/test_laws_of_errors.py::"
+        "test_a_bias_is_a_part_of_the_light_that_there_would_be_without_it[0.125]",
+    ),
+    Mutant(
+        "a new size within the crop of the old one",
+        "options/scene.py",
+        (('["film.crop=null", f"film.size', '[f"film.size'),),
+        "tests/options/test_sizes_and_crops.py::"
+        "test_a_new_size_shows_all_of_the_picture_unless_a_crop_is_asked_for[48x36-None]",
+    ),
+    Mutant(
+        "arms that are no pairs draw the same replicates",
+        "lab/statistics.py",
+        (("other = index if paired else", "other = index if above.size == below.size else"),),
+        "tests/lab/test_lab_statistics.py::test_two_arms_that_are_not_pairs_share_no_noise",
+    ),
+    Mutant(
         "frames in a notebook that take as long as the render",
         "view/notebook.py",
         (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),

@@ -5,8 +5,8 @@ import itertools
 import pytest
 
 from alight.formats import loads
-from alight.options.render import RenderOptions
 from alight.options.loading import scene_of
+from alight.options.render import RenderOptions
 
 SCENE = """
 alight: 1

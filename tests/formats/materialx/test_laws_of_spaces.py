@@ -1,6 +1,7 @@
 """Colour spaces of MaterialX, from their primaries, white and curve.
 
-Source: ITU-R BT.709, SMPTE EG 432-1 (P3, with white D65), Adobe RGB (1998), ACES S-2014-004 (AP1);
+Source: ITU-R BT.709, SMPTE EG 432-1 (P3, with white D65), Adobe RGB (1998), ACES S-2014-004 (AP1),
+SMPTE ST 2065-1 (AP0), ITU-R BT.2020;
 SMPTE RP 177:1993 for the matrices, and Lam (1985) for ACES' white.
 """
 
@@ -16,6 +17,8 @@ PRIMARIES = {
     "p3": (0.680, 0.320, 0.265, 0.690, 0.150, 0.060, *D65),
     "adobe": (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, *D65),
     "ap1": (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767),
+    "ap0": (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.0770, 0.32168, 0.33767),
+    "rec2020": (0.708, 0.292, 0.170, 0.797, 0.131, 0.046, *D65),
 }
 CONES = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 
@@ -56,12 +59,16 @@ def to_xyz(name):
     return xyz[:, :3] * np.linalg.solve(xyz[:, :3], xyz[:, 3])
 
 
+def to_srgb(name):
+    """The matrix from primaries to linear sRGB, white kept."""
+    xyz, ours = to_xyz(name), to_xyz("rec709")
+    gains = (CONES @ ours.sum(axis=1)) / (CONES @ xyz.sum(axis=1))
+    return np.linalg.solve(ours, np.linalg.solve(CONES, gains[:, None] * (CONES @ xyz)))
+
+
 @pytest.mark.parametrize("name", sorted({*SPACES} - OF_PICTURES))
 def test_colours_are_those_of_their_primaries_and_curve(name):
     primaries, curve = MEANT[name]
     rgb = np.random.default_rng(len(name)).uniform(0.2, 1.0, (50, 3))
-    xyz, ours = to_xyz(primaries), to_xyz("rec709")
-    gains = (CONES @ ours.sum(axis=1)) / (CONES @ xyz.sum(axis=1))
-    matrix = np.linalg.solve(ours, np.linalg.solve(CONES, gains[:, None] * (CONES @ xyz)))
-    wanted = np.maximum(CURVES[curve](rgb) @ matrix.T, 0.0)
+    wanted = np.maximum(CURVES[curve](rgb) @ to_srgb(primaries).T, 0.0)
     np.testing.assert_allclose(to_linear(rgb, name), wanted, atol=2e-3)

@@ -10,6 +10,7 @@ from alight.formats.pbrt.roughness import alpha_of
 from alight.lights.model import LIGHTS
 from alight.scene.flatten import flatten
 from alight.textures.images import Image
+from tests.formats.materialx.test_laws_of_spaces import to_srgb
 from tests.formats.pbrt.reading import node, read
 from tests.formats.pbrt.test_laws_of_cameras_and_films import listed
 
@@ -116,3 +117,14 @@ def test_roughness_of_pbrt_3_is_its_polynomial():
         wanted = np.polyval([0.000640711, 0.0171201, 0.1734, 0.819955, 1.62142], x)
         assert alpha_of(roughness, True) == pytest.approx(wanted)
         assert alpha_of(roughness, False) == pytest.approx(math.sqrt(roughness))
+
+
+@pytest.mark.parametrize(
+    ("space", "primaries"), [("srgb", "rec709"), ("rec2020", "rec2020"), ("dci-p3", "p3"),
+                             ("aces2065-1", "ap0")],
+)  # fmt: skip
+def test_colours_are_those_of_the_space_that_is_named(space, primaries):
+    rgb = np.random.default_rng(len(space)).uniform(0.4, 0.6, 3)
+    body = f'ColorSpace "{space}" LightSource "point" "rgb I" [{listed(rgb)}]'
+    wanted = to_srgb(primaries) @ rgb
+    np.testing.assert_allclose(row(read(body))[:3], np.maximum(wanted, 0.0), atol=2e-3)
