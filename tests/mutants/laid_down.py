@@ -249,6 +249,18 @@ LAID_DOWN = (
         "tests/lab/test_lab_statistics.py::test_two_arms_that_are_not_pairs_share_no_noise",
     ),
     Mutant(
+        "what moves in pbrt moves from nought to one",
+        "formats/pbrt/transforms.py",
+        (("pairs = zip(times, (begin, end)", "pairs = zip((0.0, 1.0), (begin, end)"),),
+        f"{PBRT}::test_what_moves_is_where_pbrt_has_it_at_its_times",
+    ),
+    Mutant(
+        "spectra of Mitsuba from red to blue",
+        "formats/mitsuba/colors.py",
+        (("    return checked(wavelengths, values)", "    return checked(wavelengths, values[::-1])"),),
+        f"{MITSUBA_MORE}::test_regular_spectra_begin_and_end_where_the_observer_does",
+    ),
+    Mutant(
         "frames in a notebook that take as long as the render",
         "view/notebook.py",
         (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),

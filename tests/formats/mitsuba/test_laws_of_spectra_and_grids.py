@@ -23,6 +23,14 @@ def test_regular_spectra_begin_and_end_where_the_observer_does():
     found = read_bsdf(spectrum("regular", values), 'type="diffuse"')
     expected = read_bsdf(given, 'type="diffuse"')
     np.testing.assert_allclose(found.reflectance, expected.reflectance, rtol=1e-6)
+    # As pairs: a tag of its own.
+    pairs = ", ".join(f"{w:.9g}:{v:.9g}" for w, v in zip(wavelengths, values, strict=True))
+    third = read_bsdf(f'<spectrum name="reflectance" value="{pairs}"/>', 'type="diffuse"')
+    np.testing.assert_allclose(found.reflectance, third.reflectance, rtol=1e-6)
+    red, _, blue = read_bsdf(
+        spectrum("regular", np.linspace(0.1, 0.9, 9)), 'type="diffuse"'
+    ).reflectance
+    assert red > 2.0 * blue
 
 
 @pytest.mark.parametrize("specular", [0.0, 0.2, 0.5, 1.0])

@@ -10,7 +10,7 @@ import pytest
 
 from alight.cameras.rays import unproject
 from alight.filters.model import FILTERS
-from tests.formats.pbrt.reading import read
+from tests.formats.pbrt.reading import node, read
 
 BALL = 'Shape "sphere"'
 
@@ -153,3 +153,22 @@ def test_filters_are_those_of_pbrt(name, old):
     if usual is None or (kind == "gaussian" and "alpha" in words and not old):
         return
     agrees(f'PixelFilter "{kind}"\nFilm "{film}"\n', name, usual)
+
+
+def test_what_moves_is_where_pbrt_has_it_at_its_times():
+    rng = np.random.default_rng(9)
+    times = np.sort(rng.uniform(0.0, 2.0, 2))
+    places = rng.normal(size=(2, 3))
+    moving = "".join(
+        f"ActiveTransform {when} Translate {listed(place)}\n"
+        for when, place in zip(("StartTime", "EndTime"), places, strict=True)
+    )
+    moving += "ActiveTransform All\n"
+    timed = f"TransformTimes {listed(times)}\n"
+    ball = node(read(moving + BALL, timed)).transform
+    camera = read(BALL, f'{timed}{moving}Camera "perspective"\n').camera.transform
+    # What moves the world one way moves the camera the other way.
+    for motion, sign in ((ball, 1.0), (camera, -1.0)):
+        assert [time for time, _ in motion.frames] == pytest.approx(times.tolist())
+        found = [frame.matrix[:3, 3] for _, frame in motion.frames]
+        np.testing.assert_allclose(found, sign * places, atol=1e-6)
