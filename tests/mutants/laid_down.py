@@ -257,7 +257,7 @@ LAID_DOWN = (
     Mutant(
         "spectra of Mitsuba from red to blue",
         "formats/mitsuba/colors.py",
-        (("    return checked(wavelengths, values)", "    return checked(wavelengths, values[::-1])"),),
+        (("return checked(wavelengths, values)", "return checked(wavelengths, values[::-1])"),),
         f"{MITSUBA_MORE}::test_regular_spectra_begin_and_end_where_the_observer_does",
     ),
     Mutant(
