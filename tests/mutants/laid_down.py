@@ -198,9 +198,9 @@ LAID_DOWN = (
         f"{FILM}::test_layers_that_name_things_hold_the_first_sample_whole",
     ),
     Mutant(
-        "tables of a window by the rows of the whole film",
+        "tables of a window by the rows of its tiles",
         "films/tiles.py",
-        (("(top + y) * film.crop[2] + left + x", "(top + y) * film.width + left + x"),),
+        (("(top + y) * film.crop[2] + left", "(top + y) * partial.counts.shape[1] + left"),),
         f"{FILM}::test_tables_of_tiles_go_where_their_pixels_are",
     ),
     Mutant(
@@ -259,6 +259,37 @@ LAID_DOWN = (
         "formats/mitsuba/colors.py",
         (("return checked(wavelengths, values)", "return checked(wavelengths, values[::-1])"),),
         f"{MITSUBA_MORE}::test_regular_spectra_begin_and_end_where_the_observer_does",
+    ),
+    Mutant(
+        "fog of pbrt that no shutter dims",
+        "formats/pbrt/media.py",
+        (("[scale * context.exposure * channel for", "[scale * channel for"),),
+        f"{PBRT_LIGHTS}::test_what_exposes_the_film_brightens_lamps_and_fog[fog]",
+    ),
+    Mutant(
+        "rays of a large moving camera are long",
+        "cameras/rays.py",
+        (("normalize(turned(m, d))", "turned(m, d)"),),
+        "tests/motion/test_moving_cameras.py::"
+        "test_rays_are_those_of_the_camera_where_it_is_then[pinhole]",
+    ),
+    Mutant(
+        "hours of six minutes",
+        "options/quantities.py",
+        (('"h": 3600', '"h": 360'),),
+        "tests/options/test_times.py::test_a_time_is_its_number_of_units[-1-h]",
+    ),
+    Mutant(
+        "dissimilarity up to two",
+        "metrics/dssim.py",
+        (("return (1.0 - ssim(*planes)) / 2.0", "return 1.0 - ssim(*planes)"),),
+        "tests/metrics/test_metrics_by_their_formulas.py::test_a_metric_is_its_formula[dssim]",
+    ),
+    Mutant(
+        "strata of pbrt that are a square of those along x",
+        "formats/pbrt/settings.py",
+        (("spp = x * y\n", "spp = x * x\n"),),
+        f"{PBRT}::test_strata_along_both_sides_are_multiplied",
     ),
     Mutant(
         "frames in a notebook that take as long as the render",

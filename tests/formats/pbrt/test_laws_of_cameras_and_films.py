@@ -172,3 +172,9 @@ def test_what_moves_is_where_pbrt_has_it_at_its_times():
         assert [time for time, _ in motion.frames] == pytest.approx(times.tolist())
         found = [frame.matrix[:3, 3] for _, frame in motion.frames]
         np.testing.assert_allclose(found, sign * places, atol=1e-6)
+
+
+def test_strata_along_both_sides_are_multiplied():
+    scene = read(BALL, 'Sampler "stratified" "integer xsamples" 3 "integer ysamples" 5\n')
+    assert scene.source.remarks.spp == 15
+    assert scene.sampler.strata == 4

@@ -89,6 +89,21 @@ def test_what_exposes_the_film_brightens_every_light(kind, folder):
         np.testing.assert_allclose(old / plain, scale, rtol=1e-5)
 
 
+FOG = 'MakeNamedMedium "fog" "string type" "homogeneous" "rgb Le" [1 2 4] MediumInterface "fog" ""'
+#: What shines besides, and how bright it is.
+SHINING = {
+    'AreaLightSource "diffuse" "rgb L" [1 2 4] Shape "sphere"': lambda s: node(s).light.radiance,
+    f'{FOG} Shape "sphere"': lambda s: s.media["fog"].emission,
+}
+
+
+@pytest.mark.parametrize("body", SHINING, ids=["lamp", "fog"])
+def test_what_exposes_the_film_brightens_lamps_and_fog(body):
+    film = FILM.format("rgb", '"float iso" 250 "float scale" 2')
+    scene = read(body, f'Camera "perspective" "float shutterclose" 0.5\n{film}')
+    np.testing.assert_allclose(SHINING[body](scene), 2.5 * np.array([1.0, 2.0, 4.0]))
+
+
 def test_illuminance_is_that_of_the_upper_half_as_pbrt_adds_it_up(tmp_path):
     texels = np.random.default_rng(7).uniform(0.0, 2.0, (16, 16, 3))
     # Nothing like the same above and below.
