@@ -292,6 +292,12 @@ LAID_DOWN = (
         f"{PBRT}::test_strata_along_both_sides_are_multiplied",
     ),
     Mutant(
+        "pictures that repeat where they should be black",
+        "formats/usd/textures.py",
+        (('found.append(_WRAPS.get(wrap, "clamp"))', 'found.append(_WRAPS.get(wrap, "repeat"))'),),
+        f"{WRAPS}::test_black_beyond_the_edges_becomes_their_colour_and_it_is_told",
+    ),
+    Mutant(
         "frames in a notebook that take as long as the render",
         "view/notebook.py",
         (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),

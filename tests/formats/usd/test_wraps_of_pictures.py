@@ -88,3 +88,10 @@ def test_a_picture_that_says_nothing_repeats_and_it_is_told_where_it_shows(u, v,
     assert ("wrapS" in said) == (u > 1.0)
     assert ("wrapT" in said) == (not 0.0 <= v <= 1.0)
     assert read("p.exr", u, v, wrapS="repeat", wrapT="repeat") == (wraps, "")
+
+
+def test_black_beyond_the_edges_becomes_their_colour_and_it_is_told(tmp_path, read):
+    exr(tmp_path, None)
+    assert read("p.exr", wrapS="black", wrapT="mirror")[0] == ("clamp", "mirror")
+    scene = load(tmp_path / "a.usda")
+    assert any("wrapS black became clamp" in text for text in scene.source.remarks.warnings)
