@@ -298,6 +298,19 @@ LAID_DOWN = (
         f"{WRAPS}::test_black_beyond_the_edges_becomes_their_colour_and_it_is_told",
     ),
     Mutant(
+        "noise that breaks off at the sides of its cells",
+        "textures/noise.py",
+        (("where(one_z, fz - 1.0, fz),", "where(one_z, fz + 1.0, fz),"),),
+        "tests/textures/test_noise.py::test_it_goes_on_smoothly_from_cell_to_cell[2]",
+    ),
+    Mutant(
+        "turbulence about the middle of its colours",
+        "textures/noise.py",
+        (("where(turbulent, mean, 0.5 + 0.5 * mean)", "0.5 + 0.5 * mean"),),
+        "tests/textures/test_noise.py::"
+        "test_patterns_are_weighted_means_of_octaves[1-0.5-turbulence]",
+    ),
+    Mutant(
         "frames in a notebook that take as long as the render",
         "view/notebook.py",
         (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),

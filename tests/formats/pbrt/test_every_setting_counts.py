@@ -14,7 +14,8 @@ BALL = 'Shape "sphere"'
 CELLS = '"integer nx" 1 "integer ny" 1 "integer nz" 2 '
 #: What some of them need.
 CONTENT = {
-    "uniformgrid": f'{CELLS}"float density" [1 2]', "heterogeneous": f'{CELLS}"float density" [1 2]',
+    "uniformgrid": f'{CELLS}"float density" [1 2]',
+    "heterogeneous": f'{CELLS}"float density" [1 2]',
     "rgbgrid": f'{CELLS}"rgb sigma_a" [1 2 3 4 5 6]', "realistic": '"string lensfile" "lens.dat"',
 }  # fmt: skip
 #: A lens of 50 mm: curvature, distance, index, diameter.
@@ -24,10 +25,11 @@ SETTINGS = {
     "Sampler": tuple(settings.SAMPLERS), "Integrator": (*settings.PATHS, *settings.FROM_LIGHTS),
 }  # fmt: skip
 #: What plays no part by itself: focus without a lens, the size of a film without one, and words for
-#: a camera of the other kind.
+#: a camera of the other kind; films of pbrt 3 have no sensitivity.
 WITHOUT = {
     ("perspective", "focaldistance"), ("perspective", "screenscale"), ("orthographic", "fov"),
     ("perspective", "halffov"), *((film, "diagonal") for film in settings.FILMS),
+    ("image", "iso"),
 }  # fmt: skip
 
 
