@@ -311,6 +311,26 @@ LAID_DOWN = (
         "test_patterns_are_weighted_means_of_octaves[1-0.5-turbulence]",
     ),
     Mutant(
+        "each of two windows as likely as both",
+        "lights/emission/from_environments.py",
+        (("share = 0.5 / len(windows)", "share = 0.5"),),
+        "tests/lights/test_lines_through_windows.py::"
+        "test_the_mean_of_one_over_the_density_is_the_area_of_the_disk[2]",
+    ),
+    Mutant(
+        "rows of a sun that reach down to the next ones",
+        "lights/bright_disk.py",
+        (("theta) + 0.5 * theta[1], 0.0", "theta) + theta[1], 0.0"),),
+        "tests/lights/test_lines_through_windows.py::test_a_sun_has_the_light_of_its_texels[60]",
+    ),
+    Mutant(
+        "searches of any density are taken",
+        "integrators/caustics/manifold_sampling.py",
+        (("return u * trial.most < density", "return density > 0.0"),),
+        "tests/estimators/test_directions_near_solutions.py::"
+        "test_a_search_is_taken_by_its_density_over_the_largest[0.7]",
+    ),
+    Mutant(
         "frames in a notebook that take as long as the render",
         "view/notebook.py",
         (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),

@@ -1,4 +1,4 @@
-"""Gradient noise: nought at the corners of its cells, smooth across their sides, and its patterns."""
+"""Gradient noise: nought at the corners of cells, smooth across their sides; its patterns."""
 
 import numpy as np
 import pytest
