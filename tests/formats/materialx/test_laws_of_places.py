@@ -81,6 +81,18 @@ def test_nodes_of_coordinates_are_their_formulas_one_after_the_other(kind, tmp_p
     np.testing.assert_allclose(x @ matrix[:, :2].T + matrix[:, 2], wanted, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "category", ["place2d", "rotate2d", "add", "subtract", "multiply", "divide", "UsdTransform2d"]
+)
+def test_a_node_that_says_nothing_leaves_coordinates_as_they_are(category, tmp_path):
+    name = {"place2d": "texcoord", "rotate2d": "in", "UsdTransform2d": "in"}.get(category, "in1")
+    nodes = [node("texcoord", "C", "vector2"),
+             node(category, "N", "vector2", link(name, "vector2", "C"))]  # fmt: skip
+    shown = picture("p", "color3", link("texcoord", "vector2", "N"))
+    data, _ = material(link("base_color", "color3", "p"), tmp_path, *nodes, shown)
+    assert "to_uv" not in str(data)
+
+
 def test_tiles_are_scaled_moved_and_measured(tmp_path):
     rng = np.random.default_rng(2)
     tiling, offset, image, tile = rng.uniform(0.3, 2.0, (4, 2))

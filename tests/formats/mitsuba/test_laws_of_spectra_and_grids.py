@@ -33,6 +33,15 @@ def test_regular_spectra_begin_and_end_where_the_observer_does():
     assert red > 2.0 * blue
 
 
+@pytest.mark.parametrize("digits", ["ff8000", "0a7Fc3"])
+def test_colours_of_six_digits_are_parts_of_255(digits):
+    parts = np.array([int(digits[i : i + 2], 16) for i in (0, 2, 4)]) / 255.0
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    word = f'<srgb name="{{}}" value="#{digits}"/>'
+    found = read_bsdf(word.format("reflectance"), 'type="diffuse"').reflectance
+    np.testing.assert_allclose(found, linear, rtol=1e-6)
+
+
 @pytest.mark.parametrize("specular", [0.0, 0.2, 0.5, 1.0])
 def test_specular_is_the_reflection_straight_on_over_eight_per_cent(specular):
     words = f'<float name="specular" value="{specular}"/>'
