@@ -11,6 +11,7 @@ from alight.textures.bitmap import Bitmap
 from alight.textures.channel import Channel
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.clamp import Clamp
+from alight.textures.images import as_image
 from alight.textures.mix import Mix
 from alight.textures.model import TEXTURES
 from alight.textures.multiply import Multiply
@@ -192,3 +193,11 @@ def test_every_operator_says_how_many_parts_it_takes():
     for name, model in TEXTURES.items():
         if model.operate is not None:
             assert 1 <= len(model.spec.fields) <= 3, name
+
+
+@pytest.mark.parametrize("level", [0, 128, 200, 254, 255])
+def test_a_picture_has_alpha_where_a_texel_is_not_quite_opaque(level):
+    texels = np.full((2, 2, 4), 255, np.uint8)
+    texels[1, 1, 3] = level
+    assert (as_image(texels).alpha is None) == (level == 255)
+    assert (as_image(texels[..., 2:] / 255.0).alpha is None) == (level == 255)
