@@ -331,6 +331,31 @@ LAID_DOWN = (
         "test_a_search_is_taken_by_its_density_over_the_largest[0.7]",
     ),
     Mutant(
+        "a picture is opaque if no texel is half clear",
+        "textures/images.py",
+        (("if (alpha >= opaque).all():", "if (alpha >= 0.5 * opaque).all():"),),
+        "tests/textures/test_composed.py::"
+        "test_a_picture_has_alpha_where_a_texel_is_not_quite_opaque[200]",
+    ),
+    Mutant(
+        "a pixel is around itself",
+        "metrics/surroundings.py",
+        (
+            (
+                "cell /= np.maximum(spread_out(pixels, h, w) - 1.0, 1.0)",
+                "cell /= np.maximum(spread_out(pixels, h, w), 1.0)",
+            ),
+        ),
+        "tests/metrics/test_survey.py::"
+        "test_what_is_around_a_pixel_is_the_mean_of_its_cell_without_it",
+    ),
+    Mutant(
+        "kept references lie on their side",
+        "lab/references.py",
+        (("!= arm.size[::-1]:", "!= arm.size:"),),
+        "tests/lab/test_references.py::test_a_kept_reference_of_another_size_is_not_taken",
+    ),
+    Mutant(
         "frames in a notebook that take as long as the render",
         "view/notebook.py",
         (("(1.0 / _SHARE - 1.0)", "(1.0 - _SHARE)"),),
