@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.forest import Forest, own_box, placed, placed_box
+from alight.accel.forest import Forest, own_box, placed, placed_boxes
 from alight.accel.layout import LIST, MOVING_LIST, TRIANGLES, kinds_in_order, number_of
 from alight.accel.lists import PAIRS, Accelerator
 from alight.accel.moving import MOVING_ROW, MovingAccelerator
@@ -181,7 +181,8 @@ class _Sorter:
         parts = [np.asarray([a.low, a.high], float) for a in self.analytic]
         used = {i.geometry for i in self.instances if len(self.geometries[i.geometry][1])}
         boxes = {g: own_box(*self.geometries[g]) for g in used}
-        parts += [placed_box(i, boxes[i.geometry]) for i in self.instances if i.geometry in used]
+        shown = [i for i in self.instances if i.geometry in used]
+        parts.append(placed_boxes(shown, boxes).reshape(-1, 3))
         parts += [np.asarray([m.low, m.high], float) for m in self.moving]
         parts += [np.array([m.low.min(axis=0), m.high.max(axis=0)], float) for m in self.many]
         if len(self.triangles.faces):

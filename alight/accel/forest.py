@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -129,10 +130,13 @@ class Forest:
     def _describe_instances(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """Fill the further rows; the root is filled in once the trees are joined."""
         boxes_of = {g: own_box(*self.geometries[g]) for g in {i.geometry for i in self.instances}}
-        for row, one in enumerate(self.instances, len(self.analytic)):
-            blocks.view(np.uint32)[row, 0] = number_of(INSTANCE)
-            blocks[row, 2:14] = np.asarray(one.to_object, np.float32).reshape(-1)
-            boxes[row] = placed_box(one, boxes_of[one.geometry])
+        if not self.instances:
+            return
+        place = slice(len(self.analytic), len(self.analytic) + len(self.instances))
+        blocks.view(np.uint32)[place, 0] = number_of(INSTANCE)
+        maps = np.array([one.to_object for one in self.instances], np.float32)
+        blocks[place, 2:14] = maps.reshape(len(maps), -1)
+        boxes[place] = placed_boxes(self.instances, boxes_of)
 
     def _describe_moving(self, blocks: np.ndarray, boxes: np.ndarray) -> None:
         """The same for what moves; of meshes the root is filled in once the trees are joined."""
@@ -210,19 +214,24 @@ def own_box(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.array([vertices[used].min(axis=0), vertices[used].max(axis=0)])
 
 
-def placed_box(one: Instance, box: np.ndarray) -> np.ndarray:
-    """Bounds of an instance in the world, (2, 3) float32, metres, from its geometry's `own_box`."""
-    low, high = box
-    corners = np.array(
-        [
-            [x, y, z]
-            for x in (low[0], high[0])
-            for y in (low[1], high[1])
-            for z in (low[2], high[2])
-        ],
-        np.float64,
+def placed_boxes(instances: list[Instance], boxes: Mapping[int, np.ndarray]) -> np.ndarray:
+    """Bounds of instances in the world, (n, 2, 3) float32, metres.
+
+    Parameters
+    ----------
+    instances : list of Instance
+    boxes : mapping of int to ndarray
+        `own_box` of each geometry.
+    """
+    if not instances:
+        return np.zeros((0, 2, 3), np.float32)
+    own = np.array([boxes[one.geometry] for one in instances], np.float64)
+    matrices = np.array([one.to_world for one in instances], np.float64)
+    # Corner k takes the upper bound of the axes whose bits are set in k.
+    upper = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    corners = np.where(upper, own[:, None, 1], own[:, None, 0])
+    world = corners @ matrices[:, :, :3].transpose(0, 2, 1) + matrices[:, None, :, 3]
+    margin = INSTANCE_MARGIN * np.abs(world).max(axis=(1, 2))[:, None]
+    return np.stack([world.min(axis=1) - margin, world.max(axis=1) + margin], axis=1).astype(
+        np.float32
     )
-    matrix = np.asarray(one.to_world, np.float64)
-    world = corners @ matrix[:, :3].T + matrix[:, 3]
-    margin = INSTANCE_MARGIN * np.abs(world).max()
-    return np.array([world.min(axis=0) - margin, world.max(axis=0) + margin], np.float32)

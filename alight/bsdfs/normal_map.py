@@ -6,7 +6,8 @@ with the picture's channels r, g, b (read as they are, without a decoding of col
 c. x runs along growing u, y along growing v of the picture (of its `uv_set`, after its `to_uv`), z
 along the surface's normal, on charts that are mirrored too; with `follow_uv` off, x runs along the
 surface's own u, and y is always z times x, as Mitsuba has it. See `alight.bsdfs.relief` for the
-rims. Of several maps on one material the innermost one counts.
+rims. Of several maps on one material the innermost one counts. A coat of `principled` that has
+normals of its own, or those of the surface, does not follow (`clearcoat_normal`).
 
 Source: Blinn 1978, Simulation of wrinkled surfaces; glTF 2.0, section 3.9.3, for the scale; the
 plug-in ``normalmap`` of Mitsuba 3.
@@ -14,12 +15,13 @@ plug-in ``normalmap`` of Mitsuba 3.
 
 from __future__ import annotations
 
-import math
 from typing import ClassVar, Literal
 
 from alight.bsdfs.diffuse import Diffuse
 from alight.bsdfs.nesting import Nested, Part
+from alight.bsdfs.picture_axes import UNTURNED, set_of, turn_of
 from alight.bsdfs.plastic import Plastic
+from alight.bsdfs.principled import Principled
 from alight.bsdfs.relief import (
     FOLLOWS_UV,
     NORMALS,
@@ -33,7 +35,6 @@ from alight.bsdfs.rough_conductor import RoughConductor
 from alight.core.field_types import ColorTexture, NestedBsdf, NonNegative
 from alight.core.fields import Truth
 from alight.core.parameters import slots_of
-from alight.core.spec import Texture
 
 
 class NormalMap(Nested):
@@ -75,11 +76,12 @@ EXAMPLES = (
     NormalMap(texture=(0.8, 0.5, 0.7), rims="black", bsdf=Diffuse(reflectance=(0.9, 0.5, 0.1))),
     NormalMap(texture=(0.3, 0.6, 0.9), rims="folded", bsdf=RoughConductor(alpha=0.3)),
     NormalMap(texture=(0.6, 0.6, 0.9), scale=0.5, bsdf=Plastic(diffuse_reflectance=1.0)),
-)
+    NormalMap(texture=(0.75, 0.4, 0.85), bsdf=Principled(
+        base_color=(0.8, 0.4, 0.1), clearcoat=0.8, clearcoat_roughness=0.4, sheen_color=0.2,
+        clearcoat_normal=(0.35, 0.55, 0.9))),
+)  # fmt: skip
 
 SLOTS = slots_of(NormalMapRow)
-#: Of a picture that lies along (u, v), however large.
-UNTURNED = (1.0, 0.0, 1.0)
 
 
 def pack(spec: NormalMap, packer) -> None:
@@ -91,23 +93,11 @@ def pack(spec: NormalMap, packer) -> None:
 
 
 def _modes(spec: NormalMap) -> float:
-    modes = packed_modes(spec) + FOLLOWS_UV * spec.follow_uv
-    number = spec.texture.set_of_coordinates() if isinstance(spec.texture, Texture) else None
-    return modes + OF_SET * (number or 0)
+    return packed_modes(spec) + FOLLOWS_UV * spec.follow_uv + OF_SET * set_of(spec.texture)
 
 
 def _turn(spec: NormalMap) -> tuple[float, float, float]:
-    """How the picture lies in (u, v), as `alight.bsdfs.relief.axes_of_map` reads it."""
-    found = spec.texture.lookup() if isinstance(spec.texture, Texture) else None
-    if not spec.follow_uv or found is None:
-        return UNTURNED
-    (a, b), (c, d) = found[:, :2]
-    determinant, length = a * d - b * c, math.hypot(c, d)
-    if determinant == 0.0 or length == 0.0:
-        return UNTURNED
-    # The first column of the inverse.
-    side = math.copysign(1.0, determinant)
-    return side * d / length, -side * c / length, side
+    return turn_of(spec.texture) if spec.follow_uv else UNTURNED
 
 
 def features(spec: NormalMap) -> tuple[str, ...]:

@@ -45,6 +45,7 @@ from alight.bsdfs.albedo_rows import (
     albedo_rows,
     facet_rows,
 )
+from alight.bsdfs.coat_normals import coat_features, pack_coat_normals
 from alight.bsdfs.dispersion import (
     AbbeNumber,
     dispersion_features,
@@ -53,9 +54,9 @@ from alight.bsdfs.dispersion import (
     pack_spread,
 )
 from alight.bsdfs.facets import ANISOTROPIC
+from alight.bsdfs.principled_coat import evaluate as evaluate
+from alight.bsdfs.principled_coat import sample as sample
 from alight.bsdfs.principled_lobes import albedo as albedo
-from alight.bsdfs.principled_lobes import evaluate as evaluate
-from alight.bsdfs.principled_lobes import sample as sample
 from alight.bsdfs.principled_parameters import (
     COAT,
     FILM,
@@ -71,7 +72,7 @@ from alight.bsdfs.principled_view import COAT_IOR
 from alight.bsdfs.rows import MANY_ROWS
 from alight.bsdfs.sheen import ROWS as SHEEN_ROWS
 from alight.bsdfs.sheen import sheen_rows
-from alight.core.field_types import ColorTexture, IndexOfRefraction, UnitTexture
+from alight.core.field_types import ColorTexture, IndexOfRefraction, NonNegative, UnitTexture
 from alight.core.fields import Interval, NumberOrTexture, Truth
 from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import Texture
@@ -116,6 +117,11 @@ class Principled(Absorbing):
         Whether the surface is a thin sheet, not the boundary of a body.
     clearcoat, clearcoat_roughness : UnitTexture, defaults 0
         Strength and roughness of the coat, of index 1.5.
+    clearcoat_normal : ColorTexture, optional
+        Normals of the coat, as of a `normal_map`; (0.5, 0.5, 1) are those of the surface. Without
+        it the coat follows the map that bends what is below it.
+    clearcoat_normal_scale : float >= 0, default 1
+        Factor of their slopes.
     sheen_color, sheen_roughness : ColorTexture and UnitTexture, defaults 0 and 0.3
         Colour and roughness of the sheen; roughness is at least 0.15.
     iridescence : UnitTexture, default 0
@@ -144,6 +150,8 @@ class Principled(Absorbing):
     thin: Truth = False
     clearcoat: UnitTexture = 0.0
     clearcoat_roughness: UnitTexture = 0.0
+    clearcoat_normal: ColorTexture | None = None
+    clearcoat_normal_scale: NonNegative = 1.0
     sheen_color: ColorTexture = (0.0, 0.0, 0.0)
     sheen_roughness: UnitTexture = 0.3
     iridescence: UnitTexture = 0.0
@@ -172,6 +180,11 @@ class Principled(Absorbing):
     def bounds_body(self) -> bool:
         """Whether it is glass."""
         return self.transmissive and not self.thin
+
+    @property
+    def has_own_coat(self) -> bool:
+        """Whether its coat has normals of its own."""
+        return self.clearcoat_normal is not None and not is_zero(self.clearcoat)
 
     @property
     def matte(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -255,6 +268,7 @@ def pack(spec: Principled, packer) -> None:
         root = _constant(packer, "clearcoat_roughness")
         packer.curve("coat_rows", albedo_rows(root, Needs(COAT_IOR)))
         packer.numbers("last_coat_rows", 0 if root is not None else ROWS - 1)
+    pack_coat_normals(packer, spec.has_own_coat, spec.clearcoat_normal, spec.clearcoat_normal_scale)
     if not is_zero(spec.sheen_color):
         root = _constant(packer, "sheen_roughness")
         packer.curve("sheen_rows", sheen_rows(root))
@@ -282,7 +296,8 @@ def features(spec: Principled) -> tuple[str, ...]:
     }
     absorbs = () if spec.thin else absorption_features(spec)
     used = (name for name, is_used in names.items() if is_used)
-    return (*used, *dispersion_features(spec.abbe_number), *absorbs)
+    own = coat_features(spec.clearcoat_normal) if spec.has_own_coat else ()
+    return (*used, *own, *dispersion_features(spec.abbe_number), *absorbs)
 
 
 def _is_textured(value: object) -> bool:

@@ -6,17 +6,13 @@ from alight.bsdfs.albedo_table import (
     place_of,
     read_bounced,
 )
-from alight.bsdfs.flags import REFLECTION, TRANSMISSION
 from alight.bsdfs.principled_parameters import COAT, GLASS, SHEEN
 from alight.bsdfs.principled_view import (
     COAT_IOR,
-    along_facets,
     film_reflectance,
-    from_facets,
     mixed,
     rows_from,
     schlick,
-    view_from,
 )
 from alight.bsdfs.sheen import sheen_f_cos
 from alight.core.constants import INV_PI, INV_TWO_PI
@@ -29,17 +25,16 @@ from alight.core.vec import (
     lerp,
     luminance,
     normalize,
-    quotient,
     reflect,
     renormalize,
 )
 from alight.core.warps import square_to_cosine_hemisphere, square_to_uniform_hemisphere
+from alight.shapes.hit import OWN_COAT
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     absolute,
     lanes,
     lanes_mask,
-    lanes_u32,
     lanes_vec3,
     maximum,
     minimum,
@@ -100,7 +95,7 @@ def _reflection_factor(params, view, metal, dielectric):
 
 
 @kernel
-def _mirrored_by(facets, wo, wi):
+def mirrored_by(facets, wo, wi):
     """(cosine, G1(wi), pdf) at the facets that mirror wo to wi."""
     wm = normalize(wo + wi)
     pdf = 0.25 * ggx_density(facets, wm) / ggx_visible_area(facets, wo)
@@ -115,7 +110,7 @@ def _facets_f_cos(program):
 
 @kernel
 def _facets_above(params, view, wi):
-    cosine, masking, pdf = _mirrored_by(params.brush.facets, view.side.wo, wi)
+    cosine, masking, pdf = mirrored_by(params.brush.facets, view.side.wo, wi)
     metal, dielectric, _ = _facet_terms(params, view, cosine)
     factor = _reflection_factor(params, view, metal, dielectric)
     return factor * (masking * pdf), pdf
@@ -159,12 +154,12 @@ def _facets_of_glass(params, view, wi):
 @specialised
 def _coat_f_cos(program):
     """``(params, view, wi) -> (f_cos, pdf)`` of the coat, as a number."""
-    if COAT not in program.bsdfs:
+    if COAT not in program.bsdfs or OWN_COAT in program.bsdfs:
         return _nothing
 
     @kernel
     def coat(params, view, wi):
-        cosine, masking, pdf = _mirrored_by(params.coat.facets, view.side.wo, wi)
+        cosine, masking, pdf = mirrored_by(params.coat.facets, view.side.wo, wi)
         fresnel, _ = fresnel_dielectric(cosine, lanes(COAT_IOR))
         return view.layers.coat * (fresnel * masking * pdf), view.chances.coat * pdf
 
@@ -203,7 +198,7 @@ def _diffuse_factor(params, view, wi):
 
 
 @specialised
-def _values(program):
+def values(program):
     """``(params, view, wi) -> (f_cos, pdf)``, wi mirrored as the viewer is."""
     glass = GLASS in program.bsdfs
 
@@ -235,17 +230,10 @@ def _values(program):
     return values
 
 
-@kernel
-def evaluate(params, wo, wi):
-    """(f cos theta_i, pdf per steradian)."""
-    view = view_from(params, along_facets(params.brush.turn, wo))
-    return _values(params, view, mirrored_if(view.side.below, along_facets(params.brush.turn, wi)))
-
-
 @specialised
 def _facets_to_sample(program):
     """``(params, coat) -> Facets``: those of the coat where the mask holds."""
-    if COAT not in program.bsdfs:
+    if COAT not in program.bsdfs or OWN_COAT in program.bsdfs:
         return _base_facets
 
     @kernel
@@ -295,9 +283,8 @@ def _mirrored_at_facet(params, view, wm, u, coat):
 
 
 @kernel
-def sample(params, wo, u, u2):
-    """(wi, f cos theta_i / pdf, pdf per steradian, flags): one of the lobes, chosen by u."""
-    view = view_from(params, along_facets(params.brush.turn, wo))
+def direction(params, view, u, u2):
+    """(wi, mask: it passes through): from one of the lobes, mirrored as the viewer is."""
     to_coat = view.chances.facets + view.chances.coat
     to_sheen = to_coat + view.chances.sheen
     facets, coat = u < view.chances.facets, (u >= view.chances.facets) & (u < to_coat)
@@ -305,14 +292,7 @@ def sample(params, wo, u, u2):
     mirrored, passes = _facet_direction(params, view, wm, u / view.chances.facets, coat)
     wi = where(u < to_sheen, square_to_uniform_hemisphere(u2), square_to_cosine_hemisphere(u2))
     wi = where(facets | coat, mirrored, wi)
-    f_cos, pdf = _values(params, view, wi)
-    flags = where(facets & passes, lanes_u32(TRANSMISSION), lanes_u32(REFLECTION))
-    return (
-        from_facets(params.brush.turn, mirrored_if(view.side.below, wi)),
-        quotient(f_cos, pdf),
-        pdf,
-        flags,
-    )
+    return wi, facets & passes
 
 
 @kernel

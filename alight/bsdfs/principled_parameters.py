@@ -12,6 +12,7 @@ from typing import Annotated, Any, NamedTuple
 
 from alight.bsdfs.albedo_rows import LEAST_ALPHA, ROW, alpha_along
 from alight.bsdfs.albedo_table import load_rows
+from alight.bsdfs.coat_normals import CoatNormalRow, own_coat_at
 from alight.bsdfs.dispersion import Index
 from alight.bsdfs.facets import ANISOTROPIC
 from alight.bsdfs.rows import rows_at, rows_in_slots
@@ -215,7 +216,10 @@ def _film_at(program):
 
 
 class Params(NamedTuple):
-    """A row of the table; coat, sheen and film are nothing in programs without them."""
+    """A row of the table; coat, sheen and film are nothing in programs without them.
+
+    own_coat : see `alight.bsdfs.coat_normals`, nothing where no coat has normals of its own.
+    """
 
     base_color: TexturedColor
     metallic: Usual
@@ -230,6 +234,7 @@ class Params(NamedTuple):
     coat: Annotated[Any, Slots(_coat_at, slots_of(CoatRow))]
     sheen: Annotated[Any, Slots(_sheen_at, slots_of(SheenRow))]
     film: Annotated[Any, Slots(_film_at, slots_of(Film))]
+    own_coat: Annotated[Any, Slots(own_coat_at, slots_of(CoatNormalRow))]
 
 
 #: The parameters whose textures make a program `VARIED`.

@@ -30,6 +30,7 @@ from alight.core.vec import (
     luminance,
     max_component,
 )
+from alight.shapes.hit import OWN_COAT
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
     any_lane,
@@ -250,6 +251,8 @@ def _coat_part(program):
     """``(params, place, inside) -> (strength, albedo)`` of the coat."""
     if COAT not in program.bsdfs:
         return _no_layer
+    if OWN_COAT in program.bsdfs:
+        return _own_coat_part
 
     @kernel
     def part(params, place, inside):
@@ -257,6 +260,15 @@ def _coat_part(program):
         return where(inside, 0.0, params.coat.strength), found
 
     return part
+
+
+@kernel
+def _own_coat_part(params, place, inside):
+    """Of a coat that the viewer sees at another angle."""
+    cosine = params.own_coat.cosine
+    place = place_of(minimum(maximum(cosine, 0.0), 1.0))
+    found = read_plain_curve(params.coat.rows, lanes_u32(REFLECTED), place)
+    return where(inside | (cosine <= 0.0), 0.0, params.coat.strength), found
 
 
 @kernel

@@ -117,7 +117,13 @@ def bent_normal(program):
 @kernel
 def _from_normals(scene, base, surface, height, follows):
     scale, _, texel, _ = _normal_map(scene, base, surface)
-    along, across, s, t = axes_of_map(scene, base, surface)
+    return normal_of_texel(surface, texel, scale, axes_of_map(scene, base, surface), follows)
+
+
+@kernel
+def normal_of_texel(surface, texel, scale, axes, follows):
+    """The normal of a colour, in the local frame; axes as of `axes_of_map`."""
+    along, across, s, t = axes
     # The second axis of the picture, on charts that are mirrored too.
     turned = dot(cross(surface.ns, s), across) * dot(s, along) < 0.0
     x, y = scale * (2.0 * texel.x - 1.0), scale * (2.0 * texel.y - 1.0)
@@ -133,14 +139,19 @@ def axes_of_map(program):
     u to (x, y) times a length. A row's `turn` is (x, y) and the sign of the determinant; with the
     sign, dp/dv is that of a conformal map, which lies on the same side of dp/du.
     """
-    axes = axes_of_set(program)
+    return write_axes(program, _modes_at, _turn_at)
+
+
+def write_axes(program, modes_at, turn_at):
+    """The same with readers of a row's `modes`, of which the set counts, and of its `turn`."""
+    axes = _axes_of_set(program, modes_at)
     if TURNED not in program.bsdfs:
         return axes
 
     @kernel
     def of_turned_picture(scene, base, surface):
         along, across, _, _ = axes(scene, base, surface)
-        turn = _turn_at(scene, base, surface)
+        turn = turn_at(scene, base, surface)
         right = turn.x * along + turn.y * across
         above = turn.z * (turn.x * across - turn.y * along)
         s, t = frame_from_tangent(surface.ns, right)
@@ -149,14 +160,14 @@ def axes_of_map(program):
     return of_turned_picture
 
 
-def axes_of_set(program):
+def _axes_of_set(program, modes_at):
     """The same of the set alone."""
     if UV_SETS not in program.textures:
         return _own_axes
 
     @kernel
     def of_its_set(scene, base, surface):
-        number = floor(_modes_at(scene, base, surface) * (1.0 / OF_SET))
+        number = floor(modes_at(scene, base, surface) * (1.0 / OF_SET))
         along, across, s, t = _own_axes(scene, base, surface)
         further = number > 0.0
         if any_lane(further):
@@ -233,7 +244,7 @@ def _risen(surface, w, rise):
 
 
 @kernel
-def _lit(n, wo):
+def lit_normal(n, wo):
     """n moved towards z until the mirror image of the viewer is above the surface."""
     w = where(wo.z < 0.0, -wo, wo)
     along = dot(n, w)
@@ -253,15 +264,15 @@ def not_hidden(program):
 
 
 @kernel
-def _not_hidden(n, wo, lit, folded):
+def _not_hidden(n, wo, is_lit, folded):
     folded = folded & (dot(n, wo) * wo.z <= 0.0)
-    return where(folded, Vec3(-n.x, -n.y, n.z), where(lit, _lit(n, wo), n))
+    return where(folded, Vec3(-n.x, -n.y, n.z), where(is_lit, lit_normal(n, wo), n))
 
 
 @kernel
-def _not_hidden_by_kind(n, wo, lit, folded):
-    matte = lit & folded
-    return where(matte, _seen(n, wo), _not_hidden(n, wo, lit & ~matte, folded & ~matte))
+def _not_hidden_by_kind(n, wo, is_lit, folded):
+    matte = is_lit & folded
+    return where(matte, _seen(n, wo), _not_hidden(n, wo, is_lit & ~matte, folded & ~matte))
 
 
 @kernel
@@ -273,7 +284,7 @@ def _seen(n, wo):
 
 
 @kernel
-def _fading(n, fades, wi):
+def fading(n, fades, wi):
     """G of Estevez et al., or 1."""
     cos2 = maximum(n.z * n.z, 1e-6)
     # Rounding may leave n.z above 1; the root below would then be of a negative number.
@@ -317,7 +328,7 @@ def _modes(code):
 
 
 @kernel
-def _frame(scene, surface, relief, stride, wo):
+def frame_of_map(scene, surface, relief, stride, wo):
     """(s, t, n, fades) of the bent frame, in the local one; z itself without a map."""
     has = relief != 0
     base = where(has, relief - 1, 0) * stride
@@ -351,12 +362,12 @@ def bent_evaluate(one_sided, stride, relief_of):
 
     @kernel
     def evaluate_row(scene, surface, row, wo, wi, active):
-        s, t, n, fades = _frame(scene, surface, relief_of(scene, row), stride, wo)
+        s, t, n, fades = frame_of_map(scene, surface, relief_of(scene, row), stride, wo)
         inner = to_local(s, t, n, wi)
         f_cos, pdf = one_sided(scene, surface, row, to_local(s, t, n, wo), inner, active)
         agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
-        fading = where(wo.z * wi.z > 0.0, _fading(n, fades, wi), 1.0)
-        return BsdfValue(where(agrees, f_cos * fading, 0.0), where(agrees, pdf, 0.0))
+        left = where(wo.z * wi.z > 0.0, fading(n, fades, wi), 1.0)
+        return BsdfValue(where(agrees, f_cos * left, 0.0), where(agrees, pdf, 0.0))
 
     return evaluate_row
 
@@ -366,12 +377,12 @@ def bent_sample(one_sided, stride, relief_of):
 
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
-        s, t, n, fades = _frame(scene, surface, relief_of(scene, row), stride, wo)
+        s, t, n, fades = frame_of_map(scene, surface, relief_of(scene, row), stride, wo)
         inner = one_sided(scene, surface, row, to_local(s, t, n, wo), u, u2, active)
         wi = renormalize(to_world(s, t, n, inner.wi))
         agrees = (inner.wi.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
         faded = (wo.z * wi.z > 0.0) & ((inner.flags & DELTA) == 0)
-        weight = inner.weight * where(faded, _fading(n, fades, wi), 1.0)
+        weight = inner.weight * where(faded, fading(n, fades, wi), 1.0)
         weight, pdf = where(agrees, weight, 0.0), where(agrees, inner.pdf, 0.0)
         return replace(inner, wi=wi, weight=weight, pdf=pdf)
 

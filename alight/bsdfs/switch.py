@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from alight.bsdfs import coat_normals
 from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, Inside, stride_of
 from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.registry import Kernel
 from alight.core.switch import is_one_of, switch
+from alight.shapes.hit import is_bent_below
 from lanewise.jit import kernel, specialised
 from lanewise.records import replace
 from lanewise.simd import (
@@ -29,8 +31,9 @@ from lanewise.simd import (
 )
 
 #: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
-#: part of it, disperses light; and from bit `RELIEF` on, the row of its normal or bump map + 1.
-TWO_SIDED, MIXED, SPREADS, RELIEF = 1, 2, 4, 3
+#: part of it, disperses light; its coat has normals of its own; and from bit `RELIEF` on, the row
+#: of its normal or bump map + 1.
+TWO_SIDED, MIXED, SPREADS, COATED_APART, RELIEF = 1, 2, 4, 8, 4
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
 
@@ -56,6 +59,11 @@ def _turned(scene, row, wo):
 def _relief(scene, row):
     """Row of the map that bends a material's normals, + 1; 0 without one."""
     return material_flags(scene, row) >> RELIEF
+
+
+@kernel
+def _is_coated_apart(scene, row):
+    return (material_flags(scene, row) & COATED_APART) != 0
 
 
 # ---------------------------------------------------------------- questions to models
@@ -128,7 +136,10 @@ def evaluate_row(program):
         nothing = BsdfValue(lanes_vec3(0.0), lanes(0.0))
         return answers(scene, surface, _kind(scene, row), (row, wo, wi), active, nothing)
 
-    if BENT in program.bsdfs:
+    if is_bent_below(program):
+        bent = coat_normals.bent_evaluate
+        one_sided = bent(one_sided, stride_of(program.bsdfs), _relief, _is_coated_apart)
+    elif BENT in program.bsdfs:
         one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
     if SAME_BACK not in program.bsdfs:
         return one_sided
@@ -166,7 +177,10 @@ def sample_row(program):
         failed = BsdfSample(lanes_vec3(0.0), lanes_vec3(0.0), lanes(0.0), lanes_u32(0))
         return answers(scene, surface, _kind(scene, row), (row, wo, u, u2), active, failed)
 
-    if BENT in program.bsdfs:
+    if is_bent_below(program):
+        bent = coat_normals.bent_sample
+        one_sided = bent(one_sided, stride_of(program.bsdfs), _relief, _is_coated_apart)
+    elif BENT in program.bsdfs:
         one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
     if SAME_BACK not in program.bsdfs:
         return one_sided

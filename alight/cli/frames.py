@@ -35,6 +35,7 @@ def render_frames(
     typer.Exit
         After a signal; where frames are kept, the same command then goes on.
     """
+    from alight.outputs.moving import played_fps
     from alight.rendering.animation import Animation
 
     cancel = threading.Event()
@@ -65,3 +66,8 @@ def render_frames(
         kept = f", {len(made.kept)} of them kept" if made.kept else ""
         files = "1 file" if len(written) == 1 else f"{len(written)} files"
         typer.echo(f"{len(made.numbers)} frames: {files}{kept}")
+        for path in made.films:
+            played = played_fps(path, options.fps)
+            if played != options.fps:
+                told = f"{played:.4g} frames per second, not {options.fps}"
+                typer.echo(f"{path}: plays {told}: GIF counts in hundredths of a second")

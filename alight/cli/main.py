@@ -5,9 +5,10 @@ Heavy modules are imported inside the commands, so that help is there at once.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from alight import __version__
 from alight.cli import cluster as cluster_commands
@@ -34,8 +35,25 @@ from alight.cli.view import view
 from alight.cli.warm import warm
 from alight.cli.why import why
 
+#: What people may look for among the commands, and what it is called here.
+ELSEWHERE = {
+    "animate": 'an animation is "alight render SCENE --frames 0:120" or "--turntable"',
+}
+
+
+class Commands(TyperGroup):
+    """The commands, and where to find what is none."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command that the first word names."""
+        if args[0] in ELSEWHERE and args[0] not in self.commands:
+            ctx.fail(f"No such command '{args[0]}': {ELSEWHERE[args[0]]}.")
+        return super().resolve_command(ctx, args)
+
+
 app = typer.Typer(
     name="alight",
+    cls=Commands,
     help="Physically based rendering with error bars.",
     no_args_is_help=True,
     add_completion=False,

@@ -134,7 +134,7 @@ class Dispatcher:
         self.workers: dict[str, Counter[str]] = {}
         self.refused: dict[str, str] = {}
         self._threads: dict[str, int] = {}
-        self._numbers, self._latency = itertools.count(), 0.0
+        self._numbers, self._latency, self._shares = itertools.count(), 0.0, False
         self._answers: queue.SimpleQueue = queue.SimpleQueue()
         self._looked, self._seen = -_LOOK, time.perf_counter()
         self._issues: dict[int, _Issue] = {}
@@ -154,6 +154,7 @@ class Dispatcher:
         if not self._threads:
             raise AlightError("the cluster has no workers")
         self._probe()
+        self._shares = True
         # A worker that does not answer gets it when it does, or its tasks are issued again.
         try:
             self._client.sync(
@@ -181,8 +182,10 @@ class Dispatcher:
                 self._refused(worker, f"{type(answer).__name__}: {answer}")
 
     def close(self) -> None:
-        """Let the workers forget what tasks shared."""
+        """Let the workers forget what tasks shared, if they were given it."""
         self._fetchers.shutdown(wait=False, cancel_futures=True)
+        if not self._shares:
+            return
         with suppress(Exception):
             self._client.sync(
                 self._client._unregister_worker_plugin, name=self._shared.name,
@@ -217,8 +220,7 @@ class Dispatcher:
         Returns
         -------
         list
-            Tasks that were drawn and not answered, because the cluster is lost; mostly none. More
-            may not have been drawn.
+            Tasks drawn and not answered because the cluster is lost, mostly none; more may remain.
 
         Raises
         ------
@@ -286,8 +288,7 @@ class Dispatcher:
         unwanted = without | self.refused.keys()
         allowed = [worker for worker in self._threads if worker not in unwanted]
         if (unwanted and not allowed) or self._client.status != "running":
-            # It is late from now on, or the cluster is lost.
-            return
+            return  # It is late from now on, or the cluster is lost.
         future = self._client.submit(
             perform, self._function, self._shared.digest, self._asked, issue.task,
             key=f"{self._shared.name[:16]}-{id(self):x}-{issue.number}-{next(self._numbers)}",
@@ -366,9 +367,8 @@ class Dispatcher:
 
     def _finish(self, number: int, issue: _Issue, value: Any, seconds: float, take: Any) -> None:
         self.counts["tasks"] += 1
-        task = issue.task
         self._forget(number)
-        take(task, value, seconds)
+        take(issue.task, value, seconds)
 
     def _forget(self, number: int) -> None:
         """Release everything of a task; copies that still run are cancelled."""

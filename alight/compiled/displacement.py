@@ -222,7 +222,7 @@ def _looked_up(kernel, scene: _Scene, number: int, mesh: MeshArrays, band: slice
     surface = Surface(
         p=Vec3(*np.ascontiguousarray(p.T)), error=zero, ng=nothing, ns=nothing, s=nothing,
         t=nothing, u=u, v=v, shape=none, prim=none, bsdf=none, light=none,
-        color=Vec3(*np.ascontiguousarray(white)), chart=chart, wavelength=(),
+        color=Vec3(*np.ascontiguousarray(white)), chart=chart, wavelength=(), bend=(),
     )  # fmt: skip
     value = luminance(kernel(scene, none + np.uint32(number), surface, nothing))
     return np.broadcast_to(value, n).astype(np.float64)

@@ -21,11 +21,12 @@ from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import MIXED, RELIEF, SAME_BACK, SPREADS, TWO_SIDED
+from alight.bsdfs.switch import COATED_APART, MIXED, RELIEF, SAME_BACK, SPREADS, TWO_SIDED
 from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable
 from alight.core.spec import Bsdf, Texture
 from alight.core.wavelengths import DISPERSIVE
+from alight.shapes.hit import OWN_COAT
 from lanewise.view import View
 
 
@@ -121,7 +122,7 @@ class _Rows:
         features = BSDFS[name].features(leaf.bsdf)
         self.used |= {name, *features} | ({SAME_BACK} if leaf.two_sided else set())
         flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
-        flags |= SPREADS * _spreads(leaf)
+        flags |= SPREADS * _spreads(leaf) | COATED_APART * (OWN_COAT in features)
         if leaf.relief is not None:
             self.used |= set(BSDFS[leaf.relief.type_name()].features(leaf.relief))
             flags |= (self.reliefs[leaf.relief] + 1) << RELIEF

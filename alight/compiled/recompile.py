@@ -104,14 +104,18 @@ def compiled_of(
     SceneError
         With every problem of the scene.
     """
-    last: Compiled | None = scene.memory.held
-    found = None if last is None or last.layers != layers else _from_last(last, scene)
-    if found is None:
-        flat = flatten(scene)
-        lap("load")
-        found = Compiled.of(scene, flat, layers, threads, Kept() if last is None else last.kept)
-    lap("bvh" if found is not last else "load")
-    scene.memory.held = found
+    memory = scene.memory
+    # Renders of several threads take turns: what is kept belongs to the last compilation.
+    with memory.lock:
+        last: Compiled | None = memory.held
+        found = None if last is None or last.layers != layers else _from_last(last, scene)
+        if found is None:
+            flat = flatten(scene)
+            lap("load")
+            kept = Kept() if last is None else last.kept
+            found = Compiled.of(scene, flat, layers, threads, kept)
+        lap("bvh" if found is not last else "load")
+        memory.held = found
     return found
 
 

@@ -22,6 +22,7 @@ from alight.compiled.program import Program
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.compiled.suspicious_bodies import suspicious_bodies
+from alight.compiled.suspicious_sizes import suspicious_sizes
 from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
@@ -205,6 +206,7 @@ def compile_scene(
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),
+            *suspicious_sizes(flat, shapes),
             *_darkness(flat, lights.is_dark and EMISSIVE not in media),
         ),
     )

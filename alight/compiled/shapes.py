@@ -86,6 +86,8 @@ class CompiledShapes(NamedTuple):
         Sphere around all finite shapes; radius 1 around the origin if there are none.
     lowest : float or None, metres
         Height of their lowest point.
+    extents : list of (int, (3,), (3,))
+        Row and bounds, metres, of each shape that has bounds, wherever it moves.
     """
 
     tables: ShapeTables
@@ -102,6 +104,7 @@ class CompiledShapes(NamedTuple):
     moving: list[Moving]
     motions: list[int]
     many: list[Many]
+    extents: list[tuple[int, NDArray[Any], NDArray[Any]]]
 
     def boxes(self) -> list[tuple[int, NDArray[np.float32], NDArray[np.float32]]]:
         """Number and bounds, metres, of each shape with a formula and bounds that rests."""
@@ -145,10 +148,25 @@ def compile_shapes(
     return compiler.finish(uv_sets)
 
 
-def box_in_place(vertices: np.ndarray, to_world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of the box around a mesh in its place, metres."""
-    corners = vertices @ to_world[:3, :3].T + to_world[:3, 3]
-    return corners.min(axis=0), corners.max(axis=0)
+class Placed(NamedTuple):
+    """An instance in its place: its maps, its row in the tables, and the box around its mesh."""
+
+    forward: np.ndarray
+    backward: np.ndarray
+    row: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def in_place(vertices: np.ndarray, to_world: np.ndarray) -> Placed:
+    """Work out the maps (3, 4) of an instance, and its box in the world, metres."""
+    forward = to_world[:3].astype(np.float32)
+    # The inverse of the rounded matrix: rays and surface points must agree.
+    square = np.vstack([forward.astype(np.float64), [0.0, 0.0, 0.0, 1.0]])
+    backward = np.linalg.inv(square)[:3].astype(np.float32)
+    corners = vertices @ square[:3, :3].T + square[:3, 3]
+    row = np.concatenate([forward.ravel(), backward.ravel()])
+    return Placed(forward, backward, row, corners.min(axis=0), corners.max(axis=0))
 
 
 def _out_of_range(placed: PlacedShape) -> str:
@@ -161,7 +179,7 @@ def _out_of_range(placed: PlacedShape) -> str:
 
 class _Compiler:
     def __init__(self, flat: FlatScene, paths: MotionTable, kept: Kept):
-        self.flat, self.paths, self.known = flat, paths, kept.each("boxes of instances")
+        self.flat, self.paths, self.known = flat, paths, kept.each("instances in place")
         self.moving: list[Moving] = []
         self.many: list[Many] = []
         self.motions: list[int] = []
@@ -178,6 +196,7 @@ class _Compiler:
         self.ranges: dict[int, tuple[int, MeshRange]] = {}
         self.moving_ranges: dict[tuple[int, bytes], tuple[int, MeshRange, np.ndarray]] = {}
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
+        self.extents: list[tuple[int, np.ndarray, np.ndarray]] = []
         self.shared = self._find_shared()
 
     def _find_shared(self) -> set[int]:
@@ -332,20 +351,17 @@ class _Compiler:
             self.ranges[placed.geometry] = len(self.geometries), place
             self.geometries.append((mesh.vertices, mesh.faces))
         number, place = self.ranges[placed.geometry]
-        forward = placed.to_world[:3].astype(np.float32)
-        # The inverse of the rounded matrix: rays and surface points must agree.
-        square = np.vstack([forward.astype(np.float64), [0.0, 0.0, 0.0, 1.0]])
-        backward = np.linalg.inv(square)[:3].astype(np.float32)
-        row = np.concatenate([forward.ravel(), backward.ravel()])
+        found = self.known(in_place, mesh.vertices, placed.to_world)
         # Kernels turn the normals of object space by the inverse transpose, which keeps the side.
         flags = mesh_flags(mesh, placed.shape.flip_normals) | INSTANCED
         kind = placed.shape.type_name()
-        index = self._enter(kind, source, placed, row, flags, np.zeros(0), place)
-        self._grow(*self.known(box_in_place, mesh.vertices, square))
-        self.instances.append((number, index, forward, backward))
+        index = self._enter(kind, source, placed, found.row, flags, np.zeros(0), place)
+        self._grow(found.low, found.high)
+        self.instances.append((number, index, found.forward, found.backward))
 
     def _grow(self, low: np.ndarray, high: np.ndarray) -> None:
         self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
+        self.extents.append((len(self.rows) - 1, low, high))
 
     def finish(self, uv_sets: bool) -> CompiledShapes:
         """Join all parts."""
@@ -386,4 +402,5 @@ class _Compiler:
             moving=self.moving,
             motions=self.motions,
             many=self.many,
+            extents=self.extents,
         )

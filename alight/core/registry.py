@@ -10,6 +10,7 @@ Every lookup reads the registries afresh, so that a model can be registered at a
 
 from __future__ import annotations
 
+import sys
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
@@ -53,7 +54,10 @@ VERSION = "__alight_version__"
 
 def modules(family: str) -> tuple[ModuleType, ...]:
     """List the model modules of a family: its registry tuple, then what users registered."""
-    return (*import_module(f"alight.{family}").MODELS, *REGISTERED[family].values())
+    name = f"alight.{family}"
+    # Asked for each node of a scene: most of the time of an import is to find it done.
+    package = sys.modules.get(name) or import_module(name)
+    return (*package.MODELS, *REGISTERED[family].values())
 
 
 def type_name_of(module: ModuleType) -> str:

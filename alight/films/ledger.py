@@ -39,6 +39,8 @@ class Bias(NamedTuple):
         """The text with its effect."""
         if self.effect is None:
             return self.text
+        if not self.effect and not self.error:
+            return f"{self.text}: no effect seen"
         doubt = "" if self.error is None else f" ± {100 * self.error:.2g} %"
         return f"{self.text}: {100 * self.effect:+.2g} %{doubt} of the light"
 

@@ -6,6 +6,7 @@ STL files come from machines whose z is up, so they are turned; PLY files are ta
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain
 
 import numpy as np
 
@@ -21,6 +22,14 @@ from alight.scene import transform
 from alight.scene.meshes import mesh_of
 
 _UPRIGHT = {"rotate": {"axis": "x", "angle": -90.0}}
+_COLORS = {"red", "green", "blue", "alpha", "r", "g", "b", "a"}
+_LISTS = {"vertex_indices", "vertex_index"}
+#: Columns that `ply.read` knows, of the elements that it knows.
+_READ = {
+    "vertex": {"x", "y", "z"}.union(*ply.MORE_UVS, *chain(*ply.NAMES.values())),
+    "face": _LISTS,
+    "tristrips": _LISTS,
+}
 
 
 def parse_ply(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
@@ -42,6 +51,8 @@ def _parse(
         raise SceneError([Issue("", issue.sentence, name) for issue in error.issues]) from None
     model = ModelScene(Report(), reach, {"": name})
     model.report.count("meshes")
+    if read is ply.read:
+        _say_what_is_left_out(data, model.report)
     surface = plain_surface(mesh.colors is not None)
     node: Data = {"shape": mesh, "bsdf": model.name_of("surface", surface, "surface")}
     to_world = np.eye(4)
@@ -52,3 +63,17 @@ def _parse(
     model.bounds.add(mesh.vertices, to_world)
     model.nodes["mesh"] = node
     return model.finish()
+
+
+def _say_what_is_left_out(data: bytes, report: Report) -> None:
+    """Name the columns of a PLY file that nothing is made of."""
+    _, elements, _ = ply.parse_header(data)
+    for element in elements:
+        names = {column.name for column in element.properties if element.count}
+        left = sorted(names - _READ.get(element.name, set()))
+        colors = [name for name in left if name in _COLORS]
+        if colors:
+            shown = f"{', '.join(colors)} of element {element.name}"
+            report.approximate(f"{shown}: left out; colours are read of vertices, without opacity")
+        if rest := [name for name in left if name not in _COLORS]:
+            report.drop(f"{', '.join(rest)} of element {element.name}: not read")

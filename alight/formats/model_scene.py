@@ -9,6 +9,7 @@ from typing import Any
 from alight.core.errors import quote
 from alight.formats.bounds import Bounds
 from alight.formats.glow import Glow
+from alight.formats.heights import Lifting
 from alight.formats.names import free_name
 from alight.formats.parsed import Parsed
 from alight.formats.reach import Reach
@@ -56,6 +57,8 @@ class ModelScene:
         Of the meshes that shine, but for unlit ones.
     is_lit : bool
         Whether the file has lights.
+    lifting : Lifting
+        Of the meshes that are displaced.
     """
 
     report: Report
@@ -70,11 +73,13 @@ class ModelScene:
     bounds: Bounds = field(default_factory=Bounds)
     is_lit: bool = False
     glow: Glow = field(init=False)
+    lifting: Lifting = field(init=False)
     _names: dict[Hashable, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Nothing shines yet."""
         self.glow = Glow(self.reach.files)
+        self.lifting = Lifting(self.report, {})
 
     def name_of(self, key: Hashable, surface: Surface, wanted: str, place: str = "") -> str:
         """The name of a material, which is entered at its first use.
@@ -117,6 +122,8 @@ class ModelScene:
         """Put the description together, and say what was made up."""
         scene: Data = {"alight": FORMAT_VERSION, "bsdfs": self.bsdfs}
         scene |= {"prototypes": self.prototypes, "nodes": self.nodes}
+        if self.lifting.textures:
+            scene["textures"] = self.lifting.textures
         if self.environment is not None:
             scene["environment"] = self.environment
         say_if_empty(self.report, self.bounds)

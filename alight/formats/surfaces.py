@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from alight.formats.heights import Heights
 from alight.formats.textures import by_vertices
 
 Data = dict[str, Any]
@@ -118,6 +119,8 @@ class Surface:
         Where the file defines it.
     inside : dict or None
         Description in the place of `core` on closed shapes, which light enters to be scattered.
+    heights : Heights or None
+        How far it lifts the surface.
     """
 
     core: Data
@@ -128,6 +131,7 @@ class Surface:
     sets: tuple[Any, ...] = ()
     place: str = ""
     inside: Data | None = None
+    heights: Heights | None = None
 
     def on(self, closed: bool) -> Surface:
         """What it is on a shape that is closed, or on one that is not."""

@@ -27,6 +27,8 @@ DARK = "an even grey sky stands for it"
 GREY_SKY = [0.5] * 3
 #: An even picture of numbers: flat as a normal map, the middle of all else.
 LEVEL = [0.5, 0.5, 1.0]
+#: Normals that are bent nowhere.
+FLAT_NORMAL = [0.5, 0.5, 1.0]
 
 
 def packed_picture(data: bytes | memoryview) -> Image:

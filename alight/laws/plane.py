@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.wavelengths import LINE_D
-from alight.shapes.hit import Surface
-from alight.shapes.surfaces import usual_wavelength
+from alight.shapes.hit import Bend, Surface
+from alight.shapes.surfaces import usual_bend, usual_wavelength
 from lanewise.jit import kernel
 from lanewise.simd import lanes, lanes_u32
 from lanewise.vec3 import Vec3
@@ -34,7 +34,15 @@ def plane_point(p, u, v, bsdf, color):
         color=color,
         chart=(),
         wavelength=usual_wavelength(),
+        bend=usual_bend(),
     )
+
+
+def _unbent(zero: NDArray[np.float32]) -> Bend:
+    """The `Bend` of a surface without a map, for the twin."""
+    one = zero + np.float32(1.0)
+    axes = (Vec3(one, zero, zero), Vec3(zero, one, zero), Vec3(zero, zero, one))
+    return Bend(*axes, zero > 0.0)
 
 
 def plane_surface(
@@ -61,5 +69,5 @@ def plane_surface(
         p=Vec3(u, v, zero), error=zero, ng=up, ns=up,
         s=Vec3(one, zero, zero), t=Vec3(zero, one, zero), u=u, v=v,
         shape=none, prim=none, bsdf=none if bsdf is None else bsdf, light=none,
-        color=black, chart=(), wavelength=zero + np.float32(wavelength),
+        color=black, chart=(), wavelength=zero + np.float32(wavelength), bend=_unbent(zero),
     )  # fmt: skip

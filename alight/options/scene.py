@@ -118,10 +118,9 @@ class SizedOptions(SceneOptions):
             object.__setattr__(self, "size", self.size.pixels(dpi))
 
     def _sizes(self) -> list[str]:
-        # Both at once: a crop of the scene file need not fit a new size.
+        # One after the other: a crop of the scene file need not fit a new size.
         size, crop = self.size, self.crop
-        found = ["film.crop=null"] if size is not None and crop is None else []
-        found += [] if size is None else [f"film.size={list(size)}"]
+        found = [] if size is None else ["film.crop=null", f"film.size={list(size)}"]
         return found if crop is None else [*found, f"film.crop={list(crop)}"]
 
 

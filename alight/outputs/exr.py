@@ -105,16 +105,30 @@ def read_layers(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, str]
     return channels, named
 
 
-def read_size(path: str | Path) -> tuple[int, int, int]:
-    """Width, height and number of channels of the first part, read without the pixels."""
+def read_header(path: str | Path) -> dict[str, Any]:
+    """The header of the first part, read without the pixels.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file is missing or no OpenEXR.
+    """
     _check_magic(path)
     import OpenEXR
 
     try:
         with _silence(), OpenEXR.File(str(path), header_only=True) as file:
-            header = dict(file.header())
+            return dict(file.header())
+    except (RuntimeError, ValueError) as error:
+        raise ValueError(f"broken OpenEXR file ({error})") from error
+
+
+def read_size(path: str | Path) -> tuple[int, int, int]:
+    """Width, height and number of channels of the first part, read without the pixels."""
+    header = read_header(path)
+    try:
         low, high = header["dataWindow"]
-    except (RuntimeError, ValueError, KeyError) as error:
+    except (ValueError, KeyError) as error:
         raise ValueError(f"broken OpenEXR file ({error})") from error
     width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
     return width, height, len(header["channels"])

@@ -25,7 +25,7 @@ KEEPS_DPI = True
 #: Rows that are tone-mapped at a time.
 _BAND = 64
 
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
 def write(path: Path, picture: Picture, display: Development) -> None:
@@ -93,24 +93,33 @@ def _whole_numbers(encoded: np.ndarray, bits: int) -> np.ndarray:
 def _encode(
     whole: np.ndarray, bits: int, text: Mapping[str, str] | None, dpi: float | None = None
 ) -> bytes:
-    h, w, channels = whole.shape
+    channels = whole.shape[2]
     # Big-endian, as the standard asks; joining bands makes it the machine's order.
     whole = whole.astype(">u2") if bits == 16 else whole
-    rows = np.ascontiguousarray(whole).view(np.uint8).reshape(h, -1)
-    chunks = [
-        _chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, bits, {3: 2, 4: 6}[channels], 0, 0, 0)),
-        _chunk(b"sRGB", b"\x00"),
-    ]
+    rows = np.ascontiguousarray(whole).view(np.uint8).reshape(len(whole), -1)
+    chunks = [header(whole.shape, bits)]
     if dpi is not None:
         per_metre = round(dpi / 0.0254)
-        chunks.append(_chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)))
+        chunks.append(chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)))
     for key, value in (text or {}).items():
         keyword = f"alight.{key}"[:79].encode("latin-1", "replace")
         # Keyword, no compression, no language, no translated keyword, then UTF-8.
-        chunks.append(_chunk(b"iTXt", keyword + b"\x00\x00\x00\x00\x00" + value.encode()))
-    chunks.append(_chunk(b"IDAT", zlib.compress(_filtered(rows, channels * bits // 8), 6)))
-    chunks.append(_chunk(b"IEND", b""))
-    return _SIGNATURE + b"".join(chunks)
+        chunks.append(chunk(b"iTXt", keyword + b"\x00\x00\x00\x00\x00" + value.encode()))
+    chunks.append(chunk(b"IDAT", compressed(rows, channels * bits // 8)))
+    chunks.append(chunk(b"IEND", b""))
+    return SIGNATURE + b"".join(chunks)
+
+
+def header(shape: tuple[int, ...], bits: int) -> bytes:
+    """Give the first chunks, of a picture of sRGB of shape (h, w, channels)."""
+    h, w, channels = shape
+    first = struct.pack(">IIBBBBB", w, h, bits, {3: 2, 4: 6}[channels], 0, 0, 0)
+    return chunk(b"IHDR", first) + chunk(b"sRGB", b"\x00")
+
+
+def compressed(rows: np.ndarray, pixel_bytes: int) -> bytes:
+    """Give the data of rows of bytes, shape (h, bytes of a row)."""
+    return zlib.compress(_filtered(rows, pixel_bytes), 6)
 
 
 def _filtered(rows: np.ndarray, pixel_bytes: int) -> bytes:
@@ -127,5 +136,6 @@ def _filtered(rows: np.ndarray, pixel_bytes: int) -> bytes:
     return np.concatenate([best.astype(np.uint8)[:, None], lines], axis=1).tobytes()
 
 
-def _chunk(kind: bytes, data: bytes) -> bytes:
+def chunk(kind: bytes, data: bytes) -> bytes:
+    """Give a chunk with its length and its check sum."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

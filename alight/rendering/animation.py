@@ -16,7 +16,13 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import threading
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import asdict, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -24,15 +30,22 @@ import numpy as np
 
 from alight.core.errors import OptionError, OutputError, unknown_name
 from alight.core.version import VERSION
+from alight.films import Film
 from alight.films.storage import is_film_file
 from alight.options.animation import AnimationOptions
 from alight.options.entry import takes
 from alight.options.render import RenderOptions
 from alight.outputs import exr, moving, png
-from alight.outputs.image import FORMATS, check_writable, read_image, write_image
+from alight.outputs.image import FORMATS, check_writable, format_of, read_image, write_image
+from alight.outputs.moving import MovingFile
 from alight.rendering import main_loop
 from alight.rendering.executors.cluster_executor import joined
+from alight.rendering.executors.executor import Crew, Threads
+from alight.rendering.job import Progress
 from alight.rendering.render import prepare
+from alight.rendering.resources import usable_processors
+from alight.rendering.schedules.passes import PASS_SECONDS
+from alight.rendering.schedules.selection import time_limit_of
 from alight.scene import Node, Scene, SceneManager, content_hash, flatten
 from alight.scene.flatten import FlatScene, place_camera
 from alight.scene.transform import matrix, rotate, translate
@@ -46,6 +59,16 @@ FRAME = "frame"
 _NO_PART = frozenset({
     "output", "threads", "spp_per_pass", "progress", "cancel", "notes", "cluster", "cluster_keys",
 })  # fmt: skip
+
+#: Pixels of a frame beyond which there are no two in work: each film takes 250 bytes a pixel.
+_LARGE = 2**22
+
+#: What is shown of a frame where nothing shows it.
+_NOTHING = np.zeros((1, 1, 3), np.uint8)
+
+
+class _CancelledError(Exception):
+    """A frame was cancelled."""
 
 
 @takes(AnimationOptions)
@@ -114,6 +137,9 @@ class Animation:
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
         self.kept: list[Path] = []
+        self.threads = single.threads or usable_processors()
+        self.cancel = options.cancel or threading.Event()
+        self._pace: dict[str, int] = {}
         self._pivot = middle(flatten(self.scene)) if options.turntable else np.zeros(3)
 
     def _check(self) -> None:
@@ -146,42 +172,95 @@ class Animation:
     def render(self) -> list[Path]:
         """Render what is not there, and write everything."""
         with joined(self.single) as self.single:
-            return self._render()
+            written = [numbered(path, n) for n in self.numbers for path in self.patterns]
+            try:
+                with ExitStack() as stack:
+                    films = [
+                        stack.enter_context(MovingFile(path, self.options.fps, len(self.numbers)))
+                        for path in self.films
+                    ]
+                    for shown in self._frames():
+                        for film in films:
+                            film.add(shown)
+            except _CancelledError:
+                return written[: (self.current - self.numbers.start) * len(self.patterns)]
+            return [*written, *self.films]
 
-    def _render(self) -> list[Path]:
-        shown: list[np.ndarray] = []
-        written: list[Path] = []
-        for number in self.numbers:
-            self.current = number
-            paths = [numbered(path, number) for path in self.patterns]
-            image = self._frame(number, paths)
-            written += paths
-            if self.films:
-                encoded = self.options.display.apply(image)
-                shown.append(np.rint(255.0 * encoded).astype(np.uint8))
-            if self.options.cancel is not None and self.options.cancel.is_set():
-                return written
-        for path in self.films:
-            moving.write_moving(path, shown, self.options.fps)
-        return [*written, *self.films]
+    def _frames(self) -> Iterator[np.ndarray]:
+        """What films show of each frame, in order; while one is finished the next is begun."""
+        many = self._at_once()
+        with Crew(self.threads) as crew, ThreadPoolExecutor(many) as pool:
+            begun: deque[Future[np.ndarray]] = deque()
+            waiting = iter(self.numbers)
+            try:
+                for current in self.numbers:
+                    self.current = current
+                    for number in islice(waiting, many - len(begun)):
+                        begun.append(pool.submit(self._frame, number, crew))
+                    yield begun.popleft().result()
+            except BaseException:
+                # Frames that have been begun are not finished.
+                self.cancel.set()
+                raise
 
-    def _frame(self, number: int, paths: list[Path]) -> np.ndarray:
-        """The picture of a frame, from its file or rendered."""
+    def _at_once(self) -> int:
+        """How many frames are in work: two, to leave no thread idle while a frame is written.
+
+        But one on a cluster and on one thread, where frames have a time for themselves, and where
+        they are so large that their samples alone keep all threads busy.
+        """
+        width, height = self.prepared.scene.film.size
+        alone = (
+            self.single.cluster is not None
+            or self.threads == 1
+            or time_limit_of(self.single) is not None
+            or width * height > _LARGE
+        )
+        return 1 if alone else 2
+
+    def _frame(self, number: int, crew: Crew) -> np.ndarray:
+        """Make the files of a frame that are not there; what films show of it, if there are any."""
+        paths = [numbered(path, number) for path in self.patterns]
         scene = self.scene_of(number)
         label = self.label_of(scene)
         missing = [path for path in paths if label_in(path) != label]
         self.kept += [path for path in paths if path not in missing]
         linear = [path for path in paths if path.suffix.lower() in exr.SUFFIXES]
         if paths and not missing and (linear or not self.films):
-            return read_image(linear[0]) if self.films else np.zeros((1, 1, 3), np.float32)
-        film = main_loop.render_film(scene, self.single)
-        if self.options.cancel is not None and self.options.cancel.is_set():
-            return film.image
-        picture = film.picture()
+            return self._shown(read_image(linear[0])) if self.films else _NOTHING
+        executor = None if self.single.cluster is not None else Threads(crew)
+        film = main_loop.render_film(scene, self._options_of(number), executor)
+        if self.cancel.is_set():
+            raise _CancelledError
+        self._note_pace(film)
+        picture = film.picture(layers=any(format_of(path).KEEPS_LAYERS for path in missing))
         picture = replace(picture, attributes={**picture.attributes, FRAME: label})
         for path in missing:
             write_image(path, picture, **asdict(self.options.display))
-        return picture.straight
+        return self._shown(picture.straight) if self.films else _NOTHING
+
+    def _options_of(self, number: int) -> RenderOptions:
+        """The options of a frame's render: its progress is shown while it is the current one."""
+        show = self.single.progress
+
+        def shown(progress: Progress) -> None:
+            if show is not None and number == self.current:
+                show(progress)
+
+        changed = {} if show is None else {"progress": shown}
+        return self.single.changed(cancel=self.cancel, **self._pace, **changed)
+
+    def _note_pace(self, film: Film) -> None:
+        """Frames after the first need no short pass to find out how long passes are."""
+        alone = time_limit_of(self.single) is not None or self.single.cluster is not None
+        if self.single.spp_per_pass is None and not alone:
+            _, _, width, height = film.crop
+            spp = 1e6 * film.stats["msamples_per_s"] * PASS_SECONDS / (width * height)
+            self._pace = {"spp_per_pass": max(1, round(spp))}
+
+    def _shown(self, linear: np.ndarray) -> np.ndarray:
+        """What a film shows of a picture, uint8."""
+        return np.rint(255.0 * self.options.display.apply(linear)).astype(np.uint8)
 
     def scene_of(self, number: int) -> Scene:
         """The scene of a frame."""

@@ -76,7 +76,7 @@ def measured(job: Job, seed: int) -> tuple[Bias, ...]:
     lost = light_beyond(job, cap, seed)
     if not math.isfinite(lost.radiance):
         return (Bias("depth cap", f"{_text(cap)}; what it cuts off could not be measured"),)
-    return (Bias("depth cap", _text(cap), -lost.radiance, lost.error),)
+    return (Bias("depth cap", _text(cap), 0.0 - lost.radiance, lost.error),)
 
 
 def _text(cap: int) -> str:
@@ -92,14 +92,13 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
         caps = (cap, UNLIMITED)
     else:
         caps = (cap, cap + _FURTHER, cap + 2 * _FURTHER)
-    scratches = [Scratch() for _ in caps]
-    pixels, sums = np.zeros(len(tiles)), np.zeros((len(tiles), len(caps)))
-    brightest = 0.0
-    for i, tile in enumerate(tiles):
-        pixels[i] = (tile.x1 - tile.x0) * (tile.y1 - tile.y0)
-        for j, (limit, scratch) in enumerate(zip(caps, scratches, strict=True)):
-            settings = job.settings._replace(seed=seed, max_depth=limit)
-            ranges = np.array([[[0, spp]]])
+    scratch, brightest = Scratch(), 0.0
+    pixels = np.array([(tile.x1 - tile.x0) * (tile.y1 - tile.y0) for tile in tiles], np.float64)
+    sums, ranges = np.zeros((len(tiles), len(caps))), np.array([[[0, spp]]])
+    # Settings that are given again, as the same object, are not taken apart again.
+    for j, limit in enumerate(caps):
+        settings = job.settings._replace(seed=seed, max_depth=limit)
+        for i, tile in enumerate(tiles):
             part, _ = render_tile(job.kernels, job.scene, settings, tile, ranges, scratch)
             # Each replicate of a pixel has one sample.
             samples = to_float(part.sums[..., :3, :]).mean(axis=3)

@@ -38,7 +38,7 @@ from alight.scene import FlatScene, Scene
 REPORT_EVERY = 0.1
 
 
-def render_film(scene: Scene, options: RenderOptions) -> Film:
+def render_film(scene: Scene, options: RenderOptions, executor: Executor | None = None) -> Film:
     """Render a scene until its schedule, a time limit or a cancellation ends it.
 
     Parameters
@@ -47,10 +47,12 @@ def render_film(scene: Scene, options: RenderOptions) -> Film:
         With the options' changes in it.
     options : RenderOptions
         Those that decide samples, time, layers and checkpoints.
+    executor : Executor, optional
+        By default that which the options ask for.
     """
     clock = Clock()
-    with executor_of(options) as executor:
-        return _render_with(executor, scene, options, clock)
+    with executor or executor_of(options) as opened:
+        return _render_with(opened, scene, options, clock)
 
 
 def _render_with(executor: Executor, scene: Scene, options: RenderOptions, clock: Clock) -> Film:

@@ -22,6 +22,7 @@ from alight.scene.meshes import Geometry, geometry
 from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
+from alight.scene.translucent_strands import strand_problems
 from alight.scene.validation import find_problems
 from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words, is_displaced
 
@@ -152,6 +153,10 @@ def flatten(scene: Scene) -> FlatScene:
         flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
         flattener.place(name, node, None)
+    placed = ((one.name, one.shape, flattener.bsdfs[one.bsdf]) for one in flattener.shapes)
+    issues = strand_problems(scene.integrator, placed)
+    if issues:
+        raise SceneError([scene.source.located(issue) for issue in issues])
     standing_in = scene.medium if camera.camera.medium is None else camera.camera.medium
     start_medium = flattener.medium_number(standing_in)
     return FlatScene(
@@ -187,7 +192,7 @@ class _Flattener:
     media: list[Coefficients] = field(default_factory=list)
     _lights: dict[int, Light] = field(default_factory=dict)
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
-    _bsdf_by_name: dict[str | int, int] = field(default_factory=dict)
+    _bsdf_by_key: dict[str | int | None, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
 
     def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
@@ -255,15 +260,16 @@ class _Flattener:
 
     def bsdf_index(self, bsdf: Bsdf | str | None) -> int:
         """Number a material; equal ones share a number."""
-        bsdf = default_of(Bsdf) if bsdf is None else bsdf
-        if isinstance(bsdf, str) and bsdf in self._bsdf_by_name:
-            return self._bsdf_by_name[bsdf]
-        resolved = resolve_bsdf(bsdf, self.scene, self.files)
+        # The scene holds its descriptions: none takes the place of another while this goes on.
+        key = bsdf if bsdf is None or isinstance(bsdf, str) else id(bsdf)
+        if key in self._bsdf_by_key:
+            return self._bsdf_by_key[key]
+        given = default_of(Bsdf) if bsdf is None else bsdf
+        resolved = resolve_bsdf(given, self.scene, self.files)
         index = self._bsdf_index.setdefault(resolved, len(self.bsdfs))
         if index == len(self.bsdfs):
             self.bsdfs.append(resolved)
-        if isinstance(bsdf, str):
-            self._bsdf_by_name[bsdf] = index
+        self._bsdf_by_key[key] = index
         return index
 
     def geometry_index(self, shape: Shape) -> int:

@@ -25,11 +25,13 @@ def placed_nodes(scene: Scene) -> Iterator[tuple[str, Node, Matrix]]:
     roots = [(join_path("prototypes", name), node) for name, node in scene.prototypes.items()]
     roots += [(join_path("nodes", name), node) for name, node in scene.nodes.items()]
     for keys, root in roots:
-        stack = [(keys, root, np.eye(4))]
+        stack: list[tuple[str, Node, Matrix | None]] = [(keys, root, None)]
         while stack:
             path, node, parent = stack.pop()
-            with np.errstate(over="ignore", invalid="ignore"):
-                to_world = parent @ node.transform.matrix
+            to_world = node.transform.matrix
+            if parent is not None:
+                with np.errstate(over="ignore", invalid="ignore"):
+                    to_world = parent @ to_world
             yield path, node, to_world
             stack.extend(
                 (f"{path}.children.{name}", child, to_world)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -80,10 +81,13 @@ class Memory:
     ----------
     held : object
         See `alight.compiled.recompile`.
+    lock : threading.Lock
+        Of whoever reads and replaces it.
     """
 
     def __init__(self) -> None:
         self.held: Any = None
+        self.lock = threading.Lock()
 
     def __reduce__(self) -> tuple[type[Memory], tuple[()]]:
         """Leave what is held behind."""

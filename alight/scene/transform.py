@@ -117,11 +117,19 @@ IDENTITY = Transform()
 
 def is_singular(to_world: Matrix) -> bool:
     """Whether a 4 x 4 matrix has no inverse that float64 can hold; see `FLATTEST`."""
-    linear = to_world[:3, :3]
-    lengths = np.linalg.norm(linear, axis=0)
-    if not np.isfinite(to_world).all() or not (lengths > 0.0).all():
+    # In numbers of Python: each call of NumPy takes as long as all of this.
+    rows = to_world.tolist()
+    if not math.isfinite(sum(map(sum, rows))):
         return True
-    return bool(abs(np.linalg.det(linear / lengths)) < FLATTEST)
+    columns = []
+    for axis in range(3):
+        column = rows[0][axis], rows[1][axis], rows[2][axis]
+        length = math.hypot(*column)
+        if length * length == 0.0:
+            return True
+        columns.append([number / length for number in column])
+    (a, b, c), (d, e, f), (g, h, i) = columns
+    return abs(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)) < FLATTEST
 
 
 def translate(x: float, y: float, z: float) -> Transform:

@@ -291,10 +291,10 @@ class _Checker:
             if path.count(".children.") >= MOST_LEVELS:
                 self.report(path, f"is nested deeper than {MOST_LEVELS} levels")
                 continue
-            singular = is_singular(node.transform.matrix)
-            if singular:
+            own = node.transform.matrix
+            if is_singular(own):
                 self.report(f"{path}.transform", "is singular: it flattens space")
-            elif is_singular(to_world) or np.abs(to_world).max() > 1e15:
+            elif (to_world is not own and is_singular(to_world)) or np.abs(to_world).max() > 1e15:
                 text = "together with its parents' transforms it is singular or too large"
                 self.report(f"{path}.transform", text)
             self.check_light(node, path, to_world)

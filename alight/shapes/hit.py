@@ -26,10 +26,14 @@ Hit = namedtuple("Hit", "t u v shape prim")
 #: orthonormal and right-handed; u, v: texture coordinates; shape, prim, bsdf: u32; light: u32,
 #: index of the area light + 1, 0 if there is none; color: vertex colour, 1 if there is none; chart:
 #: see `alight.core.uv_sets`, () in most programs; wavelength: nanometres, () unless a material
-#: disperses light.
+#: disperses light; bend: `Bend`, () unless a map bends what lies below a coat of its own normals.
 Surface = namedtuple(
-    "Surface", "p error ng ns s t u v shape prim bsdf light color chart wavelength"
+    "Surface", "p error ng ns s t u v shape prim bsdf light color chart wavelength bend"
 )
+
+#: The frame that a map bends a surface to: its axes in the local one; fades: mask, light fades out
+#: before the true surface turns away from it.
+Bend = namedtuple("Bend", "s t n fades")
 
 #: The part of `Surface` that a shape's own kernel finds.
 Geometry = namedtuple("Geometry", "p error ng ns s t u v color")
@@ -59,6 +63,9 @@ PRIMITIVES = 8
 #: What programs call it that a material has a normal or bump map.
 BENT = "bent"
 
+#: What programs call it that a coat has normals of its own.
+OWN_COAT = "bent:coat"
+
 _GAMMA_24 = gamma(24)
 
 
@@ -76,7 +83,13 @@ def varies(program) -> bool:
 
 def needs_uv(program) -> bool:
     """True if anything in the program reads texture coordinates; the axes of a map do."""
-    return BENT in program.bsdfs or "uv" in program.aovs or varies(program)
+    bends = BENT in program.bsdfs or OWN_COAT in program.bsdfs
+    return bends or "uv" in program.aovs or varies(program)
+
+
+def is_bent_below(program) -> bool:
+    """Whether surfaces know the frame that a map bends them to, for coats that do not follow."""
+    return BENT in program.bsdfs and OWN_COAT in program.bsdfs
 
 
 @kernel(strict=True)

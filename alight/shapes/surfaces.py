@@ -13,13 +13,22 @@ from alight.core.motion import (
     turned,
 )
 from alight.core.uv_sets import UV_SETS, Chart
-from alight.core.vec import dot, normalize
+from alight.core.vec import Vec3, dot, normalize
 from alight.core.wavelengths import DISPERSIVE, LINE_D
 from alight.shapes.charts import corners_of
-from alight.shapes.hit import INFO, Geometry, Surface
+from alight.shapes.hit import INFO, Bend, Geometry, Surface, is_bent_below
 from alight.shapes.model import SHAPES, ShapeModel
 from lanewise.jit import kernel, specialised
-from lanewise.simd import any_lane, gather, gather_row, lanes, lanes_u32, lanes_vec3, where
+from lanewise.simd import (
+    any_lane,
+    gather,
+    gather_row,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    where,
+)
 
 
 def needs_tangents(program) -> bool:
@@ -126,6 +135,25 @@ def _no_wavelength():
     return ()
 
 
+@specialised
+def usual_bend(program):
+    """``usual_bend()``: none, before a map is looked at."""
+    return unbent if is_bent_below(program) else _no_bend
+
+
+@kernel
+def unbent():
+    """The `Bend` of a surface without a map."""
+    zero, one = lanes(0.0), lanes(1.0)
+    x, y, z = Vec3(one, zero, zero), Vec3(zero, one, zero), Vec3(zero, zero, one)
+    return Bend(x, y, z, lanes_mask(False))
+
+
+@kernel
+def _no_bend():
+    return ()
+
+
 @kernel
 def _no_chart(tables, hit):
     return ()
@@ -196,6 +224,7 @@ def _in_the_world(m, w, surface, moving):
         color=surface.color,
         chart=surface.chart,
         wavelength=surface.wavelength,
+        bend=surface.bend,
     )
 
 
@@ -239,4 +268,5 @@ def surface_at_rest(scene, hit, o, d, active):
         color=g.color,
         chart=chart,
         wavelength=usual_wavelength(),
+        bend=usual_bend(),
     )

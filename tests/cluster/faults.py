@@ -197,8 +197,9 @@ class Campaign:
         if name not in self.lengths:
             self.whole[name] = render(name)
             self.cluster.repair()
-            # The first one warms the workers up.
-            self.lengths[name] = [self._trial(f"none-{n}", None, name) for n in range(2)][-1]
+            # The first one warms the workers up. A film that one scene left is no other's.
+            names = [f"none-{len(self.lengths)}-{n}" for n in range(2)]
+            self.lengths[name] = [self._trial(number, None, name) for number in names][-1]
         return self.lengths[name]
 
     def trial(self, number: int) -> None:

@@ -66,6 +66,23 @@ def test_every_task_is_answered_once(client):
     assert dispatcher.counts["failed"] == dispatcher.counts["issued again"] == 0
 
 
+def test_workers_leave_an_interrupt_to_the_client(client):
+    """Ctrl-C reaches all processes of a terminal."""
+    before = set(pids(client).values())
+    for pid in before:
+        os.kill(pid, signal.SIGINT)
+    found, _ = answers_of(client, jobs.multiplied, 3, 8, patience=Patience(task=100.0))
+    assert found == {n: 3 * n for n in range(8)}
+    assert set(pids(client).values()) == before
+
+
+def test_what_was_not_given_is_not_taken_back(client, caplog):
+    """As when the client is stopped before it has given the workers anything."""
+    with caplog.at_level("ERROR", logger="distributed.core"):
+        Dispatcher(client, jobs.multiplied, 7, same).close()
+    assert not caplog.records
+
+
 def test_processes_of_a_local_cluster_do_not_watch_themselves_all_the_time(client):
     """Of Dask's own accord scheduler and nannies take 3 % of a core, and workers too."""
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from alight.core.vec import Vec3
+from alight.integrators.caustics.manifold_sampling import Trial, _is_taken
+from alight.integrators.caustics.manifold_search import Result, Search
 from alight.integrators.caustics.manifold_walk import (
     MARGIN,
     WIDEST,
@@ -12,6 +14,7 @@ from alight.integrators.caustics.manifold_walk import (
     place_near,
 )
 from alight.laws.statistics import LARGEST_Z
+from alight.media.tables import Stream
 from lanewise.jit import instantiate
 
 N = 1 << 15
@@ -59,3 +62,20 @@ def test_the_mean_of_one_over_the_density_is_the_solid_angle(seed):
     assert np.linalg.norm(np.cross(rows.mean(axis=1), w)) < LARGEST_Z * WIDEST / np.sqrt(N)
     # One power of the cosine more or less would be found.
     assert abs(np.mean(rows.T @ w) - 1.0) * values.mean() > LARGEST_Z * values.std() / np.sqrt(N)
+
+
+@pytest.mark.parametrize("part", [0.2, 0.7, 1.5])
+def test_a_search_is_taken_by_its_density_over_the_largest(part):
+    """Those that draw the direction with more than the largest density are refused in part."""
+    _, _, end = solution(np.random.default_rng(7))
+    rng = np.random.default_rng(8)
+    words = tuple(rng.integers(0, 1 << 32, N, dtype=np.uint32) for _ in range(2))
+    none = np.zeros(N, np.uint32)
+    search = Search(*[()] * 5, stream=Stream(*words, none), first=none)
+    most = np.float32(float(end.density) / part)
+    trial = Trial(search, (), end.w, most, (), ())
+    result = Result(end, *[()] * 5)
+    taken = instantiate(_is_taken, compiled=False)(trial, search, result)
+    wanted = min(part, 1.0)
+    spread = np.sqrt(max(wanted * (1.0 - wanted), 1e-9) / N)
+    assert abs(np.mean(np.broadcast_to(taken, N)) - wanted) < LARGEST_Z * spread + 1e-9

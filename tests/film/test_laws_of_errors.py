@@ -8,6 +8,7 @@ from scipy import stats
 
 from alight.films import Film
 from alight.films.fixed_point import MAX_SAMPLES, to_limbs
+from alight.films.ledger import Bias
 from alight.films.statistics import mean_and_error, pixel_mean, replicate_means
 
 
@@ -126,3 +127,13 @@ def test_a_fourth_channel_changes_nothing_of_the_picture_and_its_error():
         np.testing.assert_equal(*(getattr(film, said) for film in films), said)
     np.testing.assert_equal(*(film.replicate_means() for film in films))
     np.testing.assert_equal(*(film.interval() for film in films))
+
+
+@pytest.mark.parametrize("effect", [-0.25, 0.125])
+def test_a_bias_is_a_part_of_the_light_that_there_would_be_without_it(effect):
+    light, doubt = 0.5, 0.0625
+    found = Bias("clamp", "said", effect, doubt).relative(light + effect)
+    assert (found.effect, found.error) == (effect / light, doubt / light)
+    assert f"{100 * effect / light:+.2g} % ± {100 * doubt / light:.2g} %" in found.line
+    # Of no light at all there is no part.
+    assert Bias("clamp", "said", effect, doubt).relative(effect).effect is None

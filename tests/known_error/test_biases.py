@@ -200,3 +200,8 @@ def test_cycles_rule_is_recorded_with_its_effect():
     # 10 % of the standard error of a mean of 1024 pixels.
     assert bias.error == pytest.approx(0.1 * 0.2 / np.sqrt(4 * 1024), rel=0.2)
     json.dumps(bias.state())
+
+
+def test_a_bias_that_was_not_seen_has_no_sign():
+    assert Bias("depth cap", "x", -0.0, 0.0).line == "x: no effect seen"
+    assert Bias("depth cap", "x", 0.0, 0.01).line == "x: +0 % ± 1 % of the light"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.decomposition import Moments, decompose
+from alight.lab.decomposition import Moments, decompose, reference_spread
 from alight.lab.figures import Figures
 from alight.lab.statistics import (
     bootstrap_ratio,
@@ -139,3 +139,26 @@ def test_figures_are_those_of_the_metrics():
     literature = relmse(picture, image, reference_variance=noise, epsilon=0.01)
     assert found["relmse_literature"] == pytest.approx(literature, 1e-4)
     assert found["smape"] == pytest.approx(smape(picture, image), 1e-5)
+
+
+def test_two_arms_that_are_not_pairs_share_no_noise():
+    """The same numbers on both sides, as if by chance: their noise does not cancel."""
+    x = np.random.default_rng(11).gamma(20.0, size=48)
+    apart, paired = (bootstrap_ratio([x], [x], 3, paired=way) for way in (False, True))
+    assert math.isnan(paired.value) or paired.high == pytest.approx(paired.low)
+    expected = log_ratio(log_mean(x), log_mean(x)).estimate
+    width = math.log(apart.high / apart.low) / math.log(expected.high / expected.low)
+    assert 0.8 < width < 1.25
+    # Nor need they be as many.
+    fewer = bootstrap_ratio([x], [x[:24]], 3)
+    assert fewer.high / fewer.low > apart.high / apart.low
+
+
+def test_what_a_reference_adds_to_an_error_spreads_as_told():
+    """Simulated: noise that three channels share, whose own variance is taken off as estimated."""
+    rng, size, blocks = np.random.default_rng(12), 24, 9
+    sigma = rng.uniform(0.2, 1.0, (size, 1, 1)) * np.ones((size, 1, 3))
+    draws = rng.standard_normal((4000, blocks, size, 1, 1)) * sigma * math.sqrt(blocks)
+    errors = draws.mean(axis=1) ** 2 - draws.var(axis=1, ddof=1) / blocks
+    found = errors.mean(axis=(1, 2, 3)).var()
+    assert reference_spread(sigma**2, blocks) == pytest.approx(found, rel=0.1)

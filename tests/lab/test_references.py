@@ -2,12 +2,16 @@
 
 import json
 from dataclasses import fields
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from alight.lab import pictures
 from alight.lab.arms import Arm, compile_arm
+from alight.lab.blocks import block_size
 from alight.lab.pictures import run_scene
+from alight.lab.references import _kept
 from alight.lab.report.scenes import sentences
 from alight.lab.results import BIASED, DISPUTED, UNBIASED
 from alight.lab.session import Session
@@ -107,3 +111,14 @@ def test_references_belong_to_the_seed_of_the_study(run):
     assert one.reference.key != other.reference.key
     assert (one.reference_image != other.reference_image).any()
     assert again.reference.key == one.reference.key
+
+
+def test_a_kept_reference_of_another_size_is_not_taken(tmp_path):
+    block = block_size((8, 6))
+    rows = np.zeros((2, 3 + (8 // block) * (6 // block)))
+    image = np.ones((6, 8, 3), np.float32)
+    facts = json.dumps({"spp": 4, "seconds": 1.0, "key": "k"})
+    np.savez(tmp_path / "a.npz", image=image, variance=image, rows=rows, facts=facts)
+    for size in ((8, 6), (6, 8)):
+        arm = SimpleNamespace(size=size, spec=SimpleNamespace(name="base"))
+        assert (_kept(tmp_path / "a.npz", arm) is not None) == (size == (8, 6))

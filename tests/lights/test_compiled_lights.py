@@ -61,12 +61,27 @@ def _root(scene, points, numbers, vectors, scalars, n):
         s = sample_light(scene, p, up, u.x, (u.y, u.z), lanes_mask(True))
         one, none = lanes(1.0), lanes_u32(0)
         here = Surface(
-            p, 1e-6 * one, up, up, up, up, one, one, none, lanes_u32(1), none, none, p, (), ()
+            p, 1e-6 * one, up, up, up, up, one, one, none, lanes_u32(1), none, none, p, (), (), ()
         )
         o, length = shadow_ray(here, s)
         # What the fourth light would say of a hit along the same ray.
         facing = Surface(
-            p, one, -s.wi, up, up, up, one, one, none, lanes_u32(1), none, lanes_u32(4), p, (), ()
+            p,
+            one,
+            -s.wi,
+            up,
+            up,
+            up,
+            one,
+            one,
+            none,
+            lanes_u32(1),
+            none,
+            lanes_u32(4),
+            p,
+            (),
+            (),
+            (),
         )
         store_vec3(vectors, i, n, s.wi)
         store_vec3(vectors, 3 * n + i, n, s.radiance)

@@ -10,7 +10,7 @@ from alight.films.fixed_point import to_limbs
 from alight.metrics import noisy_pixels
 from alight.metrics.own_error import estimate_relmse, relmse_of
 from alight.metrics.pixel_bars import pixel_bars, unsure_pixels
-from alight.metrics.surroundings import CELL, by_cells, pixels_of_cells, spread_out
+from alight.metrics.surroundings import CELL, around, by_cells, pixels_of_cells, spread_out
 from alight.metrics.survey import survey
 
 
@@ -123,3 +123,16 @@ def test_a_film_answers_anew_once_it_has_other_samples(monkeypatch):
     film.counts += more.counts
     np.testing.assert_array_equal(film.unsure, film.interval().unsure)
     assert film.unsure is not before
+
+
+def test_what_is_around_a_pixel_is_the_mean_of_its_cell_without_it():
+    """Noise for which nine pixels are too few and a cell is enough."""
+    rng = np.random.default_rng(3)
+    picture = rng.uniform(0.95, 1.05, (3, 24, 24)).astype(np.float32)
+    epsilon = 0.01
+    # Needed are 20 pixels: their variance over a quarter of the brightness squared.
+    variance = np.full_like(picture, 20.0 * 0.25 * (1.0 + epsilon))
+    found = around(picture, variance, epsilon)
+    cells = picture.reshape(3, 3, 8, 3, 8).sum(axis=(2, 4))
+    expected = (np.repeat(np.repeat(cells, 8, 1), 8, 2) - picture) / 63.0
+    np.testing.assert_allclose(found, expected, rtol=1e-5)

@@ -52,7 +52,7 @@ EQUIVALENT: dict[str, str] = {
         "bsdfs/principled_lobes.py _chance_of_reflection.chance: where(view.side.inside, "
         "params.transmission, 1.0) * rest -> (rest)"
     ): "how often facets are reflected from inside; the estimate divides by this very chance",
-    "bsdfs/relief.py _frame: n.x -> n.y": "0 times the one or the other, for its lanes",
+    "bsdfs/relief.py frame_of_map: n.x -> n.y": "0 times the one or the other, for its lanes",
     "cameras/connection.py connect_point: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; what lies in the lens is not visible"
     ),

@@ -68,7 +68,12 @@ FOREIGN = (
     Mutant(
         "normal maps that are flatter by default",
         "formats/gltf/materials.py",
-        (('info.number("scale", 1.0)', 'info.number("scale", 0.5)'),),
+        (
+            (
+                '"texture": picture, "scale": info.number("scale", 1.0)',
+                '"texture": picture, "scale": info.number("scale", 0.5)',
+            ),
+        ),
         f"{GLTF}::test_normals_are_numbers_of_a_picture_and_have_the_scale_one",
     ),
     Mutant(
@@ -146,5 +151,38 @@ FOREIGN = (
         "formats/usd/meshes.py",
         (('if "normals" not in values:', "if True:"),),
         "tests/formats/usd/test_usd.py::test_a_primvar_of_normals_counts_more_than_the_attribute",
+    ),
+    Mutant(
+        "lights of meshes that do not know how large they are",
+        "formats/usd/lights.py",
+        (("radiance / max(0.5 * float(", "radiance / max(1.0 * float("),),
+        "tests/formats/usd/test_controls_of_lights.py"
+        "::test_the_light_of_a_normalised_mesh_is_divided_by_its_area",
+    ),
+    Mutant(
+        "quarters of triangles in another order than Loop's",
+        "formats/usd/subdivision.py",
+        (("(b, bc, ab), (c, ca, bc)", "(c, ca, bc), (b, bc, ab)"),),
+        "tests/formats/usd/test_loop.py::test_a_mesh_lies_on_the_limit_surface_of_loop",
+    ),
+    Mutant(
+        "heights whose bias is not scaled",
+        "formats/heights.py",
+        (("-offset / factor)", "-offset)"),),
+        "tests/formats/usd/test_displacement.py"
+        "::test_a_channel_of_a_picture_lifts_a_preview_surface",
+    ),
+    Mutant(
+        "parts of a body that are judged alone",
+        "formats/usd/graph.py",
+        (("closed = whole or is_closed(shape)", "closed = is_closed(shape)"),),
+        "tests/formats/usd/test_networks.py::test_parts_of_a_mesh_may_close_a_body_together",
+    ),
+    Mutant(
+        "coats of glTF that follow the base without a texture of their own",
+        "formats/gltf/materials.py",
+        (('elif below is not None and self.bsdf["clearcoat"] != 0.0:', "elif False:"),),
+        "tests/formats/test_normals_of_coats.py"
+        "::test_coats_of_gltf_are_smooth_without_a_texture_of_their_own",
     ),
 )

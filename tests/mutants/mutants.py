@@ -18,6 +18,7 @@ from tests.mutants.formats import FORMATS
 from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
+from tests.mutants.laid_down import LAID_DOWN
 from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
 from tests.mutants.manifolds import MANIFOLDS
@@ -82,4 +83,5 @@ MUTANTS = (
     + STRANDS
     + EVERYDAY
     + FOREIGN
+    + LAID_DOWN
 )

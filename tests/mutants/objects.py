@@ -83,4 +83,28 @@ OBJECTS = (
           "shutter = (number / fps + opens, number / fps + closes)"),),
         f"{MOVES}::test_frames_lie_between_the_frames_before_and_after",
     ),
+    Mutant(
+        "frames in the order in which they end",
+        "rendering/animation.py",
+        (("yield begun.popleft().result()", "yield begun.pop().result()"),),
+        f"{MOVES}::test_two_frames_in_work_give_what_one_gives",
+    ),
+    Mutant(
+        "frames begun after one that failed",
+        "rendering/animation.py",
+        (("many - len(begun)):", "9):"),),
+        f"{MOVES}::test_no_frame_is_begun_after_one_that_fails",
+    ),
+    Mutant(
+        "frames in whole hundredths of a second",
+        "outputs/apng.py",
+        (("w, h, 0, 0, 1, fps, 0, 0)", "w, h, 0, 0, round(100 / fps), 100, 0, 0)"),),
+        "tests/outputs/test_moving.py::test_apng_keeps_frames_that_are_alike_and_their_exact_time",
+    ),
+    Mutant(
+        "frames that wait for the end of a film",
+        "outputs/moving.py",
+        (("queue.Queue(_WAITING)", "queue.Queue()"),),
+        "tests/outputs/test_moving.py::test_frames_do_not_wait_in_memory_for_the_end",
+    ),
 )  # fmt: skip

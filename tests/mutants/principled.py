@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 PHYSICS = "tests/physics/test_principled.py"
+COATS = "tests/physics/test_coat_normals.py"
 BENT = "tests/physics/test_bent_normals.py"
 VALUES = "tests/formats/mitsuba/test_values.py"
 TINTS = "tests/physics/test_what_passes_is_tinted.py"
@@ -64,7 +65,7 @@ PRINCIPLED = (
     Mutant(
         "steep normals of matte stuff bent as if it mirrored",
         "bsdfs/relief.py",
-        (("where(matte, _seen(n, wo), ", "where(matte, _lit(n, wo), "),),
+        (("where(matte, _seen(n, wo), ", "where(matte, lit_normal(n, wo), "),),
         f"{BENT}::test_a_steep_map_on_matte_stuff_is_as_bright_as_its_normal_is_turned_to_the_light",
     ),
     Mutant(
@@ -105,5 +106,39 @@ PRINCIPLED = (
             ),
         ),
         f"{TINTS}::test_from_inside_of_glass_nothing_of_its_outer_side_is_seen[coat-0.0]",
+    ),
+    Mutant(
+        "coats that follow the map below them",
+        "bsdfs/coat_normals.py",
+        (
+            (
+                "return OwnCoat(apart, where(apart, normal, up), bend,",
+                "return OwnCoat(apart, where(apart, bend.n, up), bend,",
+            ),
+        ),
+        f"{COATS}::test_a_smooth_coat_lies_on_a_base_that_a_map_bends[plastic]",
+    ),
+    Mutant(
+        "what is below a tilted coat dimmed at the angle of the base",
+        "bsdfs/coat_normals.py",
+        (("normal=normal, cosine=dot(normal, wo)", "normal=normal, cosine=wo.z"),),
+        f"{COATS}::test_a_tilted_coat_takes_what_it_reflects_at_its_own_angle[plastic]",
+    ),
+    Mutant(
+        "samples that their own lobe does not send out",
+        "bsdfs/principled_coat.py",
+        (("sent = where(coat, over, below_sends)", "sent = over | below_sends"),),
+        f"{COATS}::test_the_laws_of_bsdfs_hold[tilted]",
+    ),
+    Mutant(
+        "pictures of a coat's normals that do not turn",
+        "bsdfs/coat_normals.py",
+        (
+            (
+                'packer.numbers("coat_turn", *turn_of(normal))',
+                'packer.numbers("coat_turn", *UNTURNED)',
+            ),
+        ),
+        f"{COATS}::test_pictures_of_a_coats_normals_turn_with_their_transforms",
     ),
 )

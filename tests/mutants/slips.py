@@ -75,8 +75,8 @@ SLIPS = (
         "bsdfs/relief.py",
         (
             (
-                "agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        fading",
-                "agrees = (wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        fading",
+                "agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        left",
+                "agrees = (wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        left",
             ),
         ),
         "tests/physics/test_bent_normals.py::"

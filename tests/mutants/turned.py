@@ -97,14 +97,14 @@ TURNED = (
     ),
     Mutant(
         "normals turned the same way as their picture's coordinates",
-        "bsdfs/normal_map.py",
+        "bsdfs/picture_axes.py",
         (("-side * c / length", "side * c / length"),),
         f"{MAPS}::test_the_normal_leans_along_the_sides_of_a_turned_picture",
     ),
     Mutant(
         "no coordinates for the axes of a map of one colour",
         "shapes/hit.py",
-        (("return BENT in program.bsdfs or ", "return "),),
+        (("bends = BENT in program.bsdfs or ", "bends = "),),
         f"{MAPS}::test_the_normal_leans_along_u_and_v",
     ),
     Mutant(

@@ -10,7 +10,7 @@ from alight.bsdfs.nesting import leaves
 from alight.bsdfs.normal_map import NormalMap
 from alight.bsdfs.plastic import Plastic
 from alight.bsdfs.principled import Principled
-from alight.bsdfs.relief import _fading, _lit, _seen
+from alight.bsdfs.relief import _seen, fading, lit_normal
 from alight.bsdfs.rough_conductor import RoughConductor
 from alight.bsdfs.rough_dielectric import RoughDielectric
 from alight.bsdfs.two_sided import TwoSided
@@ -183,13 +183,13 @@ def test_rounded_normals_do_not_make_grazing_light_a_nan():
     normal = Vec3(np.float32(0.0), np.float32(0.0), np.nextafter(np.float32(1.0), np.float32(2.0)))
     low = np.float32(1e-6) * np.arange(1, 100, dtype=np.float32)
     grazing = Vec3(np.sqrt(1 - low**2), np.zeros_like(low), low)
-    np.testing.assert_array_equal(_fading(normal, np.ones(99, bool), grazing), 1.0)
+    np.testing.assert_array_equal(fading(normal, np.ones(99, bool), grazing), 1.0)
 
 
 def test_lit_normals_rise_until_the_mirrored_viewer_is_above_the_surface():
     n, wo = upper(4000, 8), unit_vectors(4000, 9)
     wo[2] = np.copysign(np.maximum(np.abs(wo[2]), 0.01), wo[2])
-    moved = _lit(Vec3(*n), Vec3(*wo))
+    moved = lit_normal(Vec3(*n), Vec3(*wo))
     found = np.stack([moved.x, moved.y, moved.z])
     # Seen from below, the frame stands on its head.
     w = np.where(wo[2] < 0.0, -wo, wo)

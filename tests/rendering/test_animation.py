@@ -24,8 +24,8 @@ def renders(monkeypatch):
     """The hash of every film that is rendered."""
     made, render = [], animation.main_loop.render_film
 
-    def counted(scene, options):
-        film = render(scene, options)
+    def counted(scene, options, executor):
+        film = render(scene, options, executor)
         made.append(film.scene_hash)
         return film
 
@@ -95,13 +95,51 @@ def test_moving_pictures_take_the_time_of_all_frames(suffix, tmp_path):
     words = {**SMALL, "frames": "0:4", "turntable": True, "fps": 25}
     assert alight.animate("cornell-box", output=path, **words) == [path]
     with Image.open(path) as image:
-        # Frames that are alike are one, for as long as all of them.
-        assert 1 < image.n_frames <= 4
+        # GIF: frames that are alike are one, for as long as all of them.
+        assert image.n_frames == 4 if suffix == "apng" else 1 < image.n_frames <= 4
         total = 0.0
         for number in range(image.n_frames):
             image.seek(number)
             total += image.info["duration"]
         assert total == pytest.approx(4 * 40)
+
+
+def test_two_frames_in_work_give_what_one_gives(tmp_path):
+    files = {}
+    for threads in (1, 2):
+        folder = tmp_path / str(threads)
+        folder.mkdir()
+        output = [folder / "f_####.png", folder / "f.apng"]
+        words = {**SMALL, "threads": threads, "frames": "0:5", "turntable": True}
+        alight.animate("cornell-box", **words, output=output)
+        files[threads] = [(folder / name).read_bytes() for name in frames_of(folder)]
+        with Image.open(output[1]) as film:
+            for number in range(5):
+                film.seek(number)
+                with Image.open(numbered(output[0], number)) as frame:
+                    assert np.array_equal(np.asarray(film.convert("RGB")), np.asarray(frame))
+    assert files[1] == files[2]
+
+
+@pytest.mark.parametrize("at_once", [1, 2])
+def test_no_frame_is_begun_after_one_that_fails(tmp_path, monkeypatch, at_once):
+    begun, render = [], animation.main_loop.render_film
+
+    def failing(scene, options, executor):
+        begun.append(scene)
+        if len(begun) == 2:
+            raise alight.OutputError("broken")
+        return render(scene, options, executor)
+
+    monkeypatch.setattr(animation.main_loop, "render_film", failing)
+    kept = tmp_path / "f.apng"
+    kept.write_bytes(b"what was there before")
+    with pytest.raises(alight.OutputError, match="broken"):
+        words = {**SMALL, "threads": at_once, "turntable": True}
+        alight.animate("cornell-box", **words, frames="0:9", output=kept)
+    assert len(begun) <= 1 + at_once
+    assert kept.read_bytes() == b"what was there before"
+    assert frames_of(tmp_path) == ["f.apng"]
 
 
 def test_names_of_frames():
@@ -143,6 +181,19 @@ def test_the_command_says_what_it_kept(tmp_path):
     assert frames_of(tmp_path) == ["f_0000.exr", "f_0001.exr"]
 
 
+def test_the_command_says_how_fast_a_gif_plays(tmp_path):
+    done = command("--frames", "0:2", "-o", tmp_path / "a.gif", "-o", tmp_path / "a.apng")
+    assert "a.gif: plays 25 frames per second, not 24: GIF counts" in done.output
+    assert "a.apng: plays" not in done.output
+
+
+def test_an_older_name_of_the_command_is_told():
+    done = CliRunner().invoke(app, ["animate", "scene.yaml"])
+    assert done.exit_code == 2
+    assert "--turntable" in done.output
+    assert "--frames" in done.output
+
+
 def test_a_frame_of_the_command_is_that_of_python(tmp_path, renders):
     done = command("--turntable", "--frames", "0:3", "-o", tmp_path / "f_####.png")
     assert done.exit_code == 0, done.output
@@ -154,11 +205,11 @@ def test_a_stopped_command_says_where_it_goes_on(tmp_path, monkeypatch):
     render = animation.main_loop.render_film
     left = [None, None]
 
-    def stopped(scene, options):
+    def stopped(scene, options, executor):
         if not left:
             raise KeyboardInterrupt
         left.pop()
-        return render(scene, options)
+        return render(scene, options, executor)
 
     words = ["--turntable", "--frames", "5:9", "-o", tmp_path / "f_####.png"]
     monkeypatch.setattr(animation.main_loop, "render_film", stopped)

@@ -11,6 +11,7 @@ from alight.textures.bitmap import Bitmap
 from alight.textures.channel import Channel
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.clamp import Clamp
+from alight.textures.images import as_image
 from alight.textures.mix import Mix
 from alight.textures.model import TEXTURES
 from alight.textures.multiply import Multiply
@@ -192,3 +193,19 @@ def test_every_operator_says_how_many_parts_it_takes():
     for name, model in TEXTURES.items():
         if model.operate is not None:
             assert 1 <= len(model.spec.fields) <= 3, name
+
+
+@pytest.mark.parametrize("level", [0, 128, 200, 254, 255])
+def test_a_picture_has_alpha_where_a_texel_is_not_quite_opaque(level):
+    texels = np.full((2, 2, 4), 255, np.uint8)
+    texels[1, 1, 3] = level
+    assert (as_image(texels).alpha is None) == (level == 255)
+    assert (as_image(texels[..., 2:] / 255.0).alpha is None) == (level == 255)
+
+
+def test_the_mean_of_a_product_is_taken_from_both_means():
+    board = Checkerboard(color0=(0.8, 0.4, 0.2), color1=(0.2, 0.2, 0.6))
+    other = Checkerboard(color0=(1.0, 0.0, 0.5), color1=(0.0, 0.5, 0.1), scale=8.0)
+    found = Multiply(a=board, b=other)
+    np.testing.assert_allclose(found.mean(), np.multiply(board.mean(), other.mean()))
+    np.testing.assert_allclose(found.maximum(), np.multiply(board.maximum(), other.maximum()))

@@ -156,12 +156,12 @@ def test_a_click_focuses_and_the_command_of_the_picture_can_be_copied(browser):
         page, errors = opened(browser, address)
         stage = page.locator("#picture").bounding_box()
         middle = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
-        assert page.inner_text("#focus-at") == "Focus at 1"
+        assert page.inner_text("#focus-at") == "Focus at 1 m"
         picture = pixels_of(page)
         page.click("#focus")
         assert page.get_attribute("#focus", "aria-pressed") == "true"
         page.mouse.click(*middle)
-        page.wait_for_selector("#focus-at >> text=/Focus at [34]/", timeout=300_000)
+        page.wait_for_selector("#focus-at >> text=/Focus at [34].* m/", timeout=300_000)
         page.wait_for_selector(SETTLED)
         until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
         assert page.get_attribute("#focus", "aria-pressed") == "false"
@@ -179,7 +179,7 @@ def test_a_click_focuses_and_the_command_of_the_picture_can_be_copied(browser):
         # By keys; the command is hidden once it is that of another picture.
         page.focus("#stage")
         page.keyboard.press("Control+z")
-        page.wait_for_selector("#focus-at >> text='Focus at 1'")
+        page.wait_for_selector("#focus-at >> text='Focus at 1 m'")
         page.wait_for_selector("#of-command", state="hidden")
         page.keyboard.press("g")
         assert page.get_attribute("#focus", "aria-pressed") == "true"

@@ -196,3 +196,26 @@ def test_a_notebook_runs_and_keeps_the_pictures():
     assert printed == [hashlib.sha256(film.sums).hexdigest(), "Widget"]
     body, _ = nbconvert.HTMLExporter().from_notebook_node(made)
     assert body.count("data:image/png") >= 2 and "16 samples per pixel" in body
+
+
+def test_frames_take_their_share_of_the_time_and_no_more(monkeypatch):
+    """Each one costs as much as fifty reports; the clock is ours."""
+    clock, costs = [0.0], 0.5
+    monkeypatch.setattr(notebook.time, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(notebook, "_share", lambda progress, options: None)
+    monkeypatch.setattr(notebook, "_words", lambda progress, share: "")
+    live = object.__new__(notebook.LiveFilm)
+    live.film, live._next, live._widget = None, 0.0, SimpleNamespace()
+    live._prepared = SimpleNamespace(options=SimpleNamespace(progress=None))
+    spent = 0.0
+
+    def show(phase, share):
+        nonlocal spent
+        spent += costs
+        clock[0] += costs
+
+    live._show = show
+    while clock[0] < 200.0:
+        live._take(SimpleNamespace(film=None, phase="render"))
+        clock[0] += 0.01
+    assert 0.8 * notebook._SHARE < spent / clock[0] <= 1.05 * notebook._SHARE

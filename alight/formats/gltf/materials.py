@@ -26,6 +26,7 @@ from alight.formats.surfaces import (
     reflection,
 )
 from alight.formats.textures import (
+    FLAT_NORMAL,
     between,
     by_vertices,
     channel,
@@ -57,7 +58,10 @@ TEXTURE_KEYS = (
     ("pbr", ("baseColorTexture", "metallicRoughnessTexture")),
     (GLOSSY, ("diffuseTexture", "specularGlossinessTexture")),
     ("", ("emissiveTexture",)),
-    ("KHR_materials_clearcoat", ("clearcoatTexture", "clearcoatRoughnessTexture")),
+    (
+        "KHR_materials_clearcoat",
+        ("clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"),
+    ),
     ("KHR_materials_iridescence", ("iridescenceTexture", "iridescenceThicknessTexture")),
     ("KHR_materials_sheen", ("sheenColorTexture", "sheenRoughnessTexture")),
     ("KHR_materials_specular", ("specularTexture", "specularColorTexture")),
@@ -350,13 +354,23 @@ class _Extensions:
         if coat is not None:
             self.bsdf["clearcoat"] = self._number(coat, "clearcoat", 0.0, "r")
             self.bsdf["clearcoat_roughness"] = self._number(coat, "clearcoatRoughness", 0.0, "g")
-            if coat.has("clearcoatNormalTexture"):
-                text = "clearcoatNormalTexture: the coat has the normals of what is below it"
-                self.item.report.approximate(text)
+            self._coat_normals(coat)
         sheen = self.item.extension("KHR_materials_sheen")
         if sheen is not None:
             self.bsdf["sheen_color"] = self._color(sheen, "sheenColor", 0.0)
             self.bsdf["sheen_roughness"] = self._number(sheen, "sheenRoughness", 0.0, "a")
+
+    def _coat_normals(self, coat: Item) -> None:
+        """Of its texture; without one the coat is smooth, whatever bends the normals below it."""
+        picture = self.textures.bitmap(coat, "clearcoatNormalTexture", is_color=False)
+        info = coat.object("clearcoatNormalTexture")
+        below = self.item.object("normalTexture")
+        if picture is not None and info is not None:
+            if below is None or below.value != info.value:
+                self.bsdf["clearcoat_normal"] = picture
+                self.bsdf["clearcoat_normal_scale"] = info.number("scale", 1.0)
+        elif below is not None and self.bsdf["clearcoat"] != 0.0:
+            self.bsdf["clearcoat_normal"] = FLAT_NORMAL
 
     def anisotropy_and_iridescence(self) -> None:
         """KHR_materials_anisotropy, KHR_materials_iridescence."""

@@ -19,6 +19,7 @@ from alight.textures.multiply import Multiply
 from alight.textures.threshold import Threshold
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+_FLAT = (0.5, 0.5, 1.0)
 
 
 class MaterialWriter:
@@ -149,6 +150,7 @@ class MaterialWriter:
             coat: Json = {}
             self._number(coat, "clearcoat", bsdf.clearcoat, "r")
             self._number(coat, "clearcoatRoughness", bsdf.clearcoat_roughness, "g")
+            self._coat_normals(bsdf, coat, made.get("normalTexture"))
             self.store.extension(made, "KHR_materials_clearcoat", coat)
         if bsdf.sheen_color != _BLACK:
             sheen: Json = {}
@@ -158,6 +160,17 @@ class MaterialWriter:
         self._add_directions(bsdf, made)
         if not bsdf.compensation:
             self.store.lose("principled: light that met several facets is given back")
+
+    def _coat_normals(self, bsdf: Principled, coat: Json, below: Json | None) -> None:
+        """Of its own, or those of what is below it: a file's coat is smooth where it has none."""
+        own = bsdf.clearcoat_normal
+        if own is None and below is not None:
+            coat["clearcoatNormalTexture"] = below
+        elif isinstance(own, Bitmap):
+            info = self.textures.normals(own)
+            coat["clearcoatNormalTexture"] = {**info, "scale": bsdf.clearcoat_normal_scale}
+        elif own is not None and own != _FLAT:
+            self.store.lose("clearcoat_normal: became the normals of the surface")
 
     def _add_glass(self, bsdf: Principled, made: Json) -> None:
         if bsdf.transmission == 0.0:

@@ -54,8 +54,7 @@ def read(s: Shading) -> Surface:
     if not is_zero(get["clearcoat"]):
         core["clearcoat"] = s.number("clearcoat", get["clearcoat"])
         core["clearcoat_roughness"] = s.number("clearcoat_roughness", get["clearcoat_roughness"])
-        if s.normals("clearcoat_normal") not in (None, s.normals("normal")):
-            s.say("clearcoat_normal is left out: the coat has the normals of what is below it")
+        core |= s.coat_normals("clearcoat_normal", s.normals("normal"))
     if not is_zero(get["sheen_color"]):
         core["sheen_color"] = s.color("sheen_color", get["sheen_color"])
         core["sheen_roughness"] = s.number("sheen_roughness", get["sheen_roughness"])

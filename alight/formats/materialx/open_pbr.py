@@ -57,6 +57,8 @@ def read(s: Shading) -> Surface:
     abbe = s.constant("transmission_dispersion_abbe_number", 20.0)
     s.dispersion(core, abbe / spread if spread > 0.0 else 0.0)
     core |= s.coat(get["coat_weight"], get["coat_roughness"], s.ior("coat_ior", 1.6))
+    if not is_zero(get["coat_weight"]):
+        core |= s.coat_normals("geometry_coat_normal", bent)
     fuzz = s.product(get["fuzz_weight"], get["fuzz_color"])
     if not is_zero(fuzz):
         core["sheen_color"] = s.color("fuzz_color", fuzz)
@@ -101,8 +103,6 @@ def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:
         s.left_out("the coat is the same in all directions", coat_roughness_anisotropy=0.0)
         if not is_zero(get["coat_darkening"]):
             s.say("coat_darkening is left out: light below the coat does not return to it")
-        if s.normals("geometry_coat_normal") not in (None, s.normals("geometry_normal")):
-            s.say("geometry_coat_normal is left out: the coat has the normals of what is below it")
     if s.node.inputs.get("geometry_tangent") is not None:
         s.say("geometry_tangent is left out: tangents follow from the texture coordinates")
     s.asked |= {"geometry_tangent", "geometry_coat_tangent", "geometry_coat_normal"}

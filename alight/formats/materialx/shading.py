@@ -11,7 +11,7 @@ from alight.formats.materialx.nodes import Node
 from alight.formats.materialx.values import Plain, Value, Varying, affine, number, part, spread
 from alight.formats.report import did_you_mean
 from alight.formats.surfaces import LARGEST_IOR, Surface, abbe_number
-from alight.formats.textures import normal_color, normals
+from alight.formats.textures import FLAT_NORMAL, normal_color, normals
 
 Data = dict[str, Any]
 #: Index of the coat of `principled`.
@@ -257,6 +257,25 @@ class Shading:
             return self._bent(source, self.evaluator.output(source, entry.output), 1.0)
         self.say(f"{name} comes from a {quote(source.category)}, which is left out")
         return None
+
+    def coat_normals(self, name: str, below: Data | None) -> Data:
+        """Normals of a coat: those of its input, or of the surface itself.
+
+        Parameters
+        ----------
+        below : dict or None
+            What bends the normals of what lies below it.
+        """
+        own = self.normals(name)
+        if own == below:
+            return {}
+        if own is None:
+            return {"clearcoat_normal": FLAT_NORMAL}
+        if own["type"] != "normal_map":
+            self.say(f"{name} comes from heights: the coat has the normals of what is below it")
+            return {}
+        scale = own.get("scale", 1.0)
+        return {"clearcoat_normal": own["texture"], "clearcoat_normal_scale": scale}
 
     def _normal_map(self, node: Node) -> Data | None:
         entry = node.inputs.get("in")

@@ -61,6 +61,8 @@ def read(s: Shading) -> Surface:
     s.glass(core, get["transmission"], color, depth, s.flag("thin_walled"))
     s.dispersion(core, s.constant("transmission_dispersion", 0.0))
     core |= s.coat(get["coat"], get["coat_roughness"], s.ior("coat_IOR"))
+    if not is_zero(get["coat"]):
+        core |= s.coat_normals("coat_normal", bent)
     sheen = s.product(get["sheen"], get["sheen_color"], tint)
     if not is_zero(sheen):
         core["sheen_color"] = s.color("sheen_color", sheen)
@@ -98,6 +100,4 @@ def _say_what_is_left_out(s: Shading, get: dict[str, Value]) -> None:
             "the coat is the same in all directions and leaves what is below as it is",
             coat_anisotropy=0.0, coat_affect_color=0.0, coat_affect_roughness=0.0,
         )  # fmt: skip
-        if s.normals("coat_normal") not in (None, s.normals("normal")):
-            s.say("coat_normal is left out: the coat has the normals of what is below it")
     s.asked |= {"tangent", "coat_normal"}

@@ -102,7 +102,9 @@ def _index(draft: Draft) -> bool:
     """Set eta and k; False for the perfect reflector, which has none."""
     p, report = draft.properties, draft.context.report
     given = p.has("eta") or p.has("k")
-    name = p.text("material", PERFECT, (PERFECT, *METALS) if p.has("material") else ())
+    # Version 0.6 takes copper where a file names no metal, version 3 a perfect mirror.
+    unnamed = "Cu" if draft.element.old else PERFECT
+    name = p.text("material", unnamed, (PERFECT, *METALS) if p.has("material") else ())
     if given and p.has("material"):
         report.error(draft.element, "takes either material or eta and k, got both")
     if not given and name == PERFECT:

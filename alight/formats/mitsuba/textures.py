@@ -140,9 +140,9 @@ def _bitmap(context: Context, element: Element, path: str) -> Data:
     blurred = ("ewa", "trilinear", "anisotropic")
     filters = {"bilinear": "bilinear", "nearest": "nearest", **dict.fromkeys(blurred, "bilinear")}
     p.ignore("there is no prefiltering", "max_anisotropy", "cache")
-    channel = ""
+    channel, is_linear = "", False
     if element.old:
-        p.ignore("the file says how it is encoded", "gamma")
+        is_linear = _is_linear(draft)
         channel = p.text("channel", "", ("r", "g", "b", "a", ""))
     p.ignore("texels keep the precision of the file", "format")
     found = p.value("filename", "string")
@@ -154,12 +154,12 @@ def _bitmap(context: Context, element: Element, path: str) -> Data:
         try:
             draft.put("file", context.reach.name_of(context.reach.find(found[1])), "filename")
         except OutOfReachError as error:
-            is_color = not p.flag("raw", False)
+            is_color = not p.flag("raw", is_linear)
             context.report.lacks(found[0], error, CHECKERED if is_color else FLAT)
             draft.data = {"type": "constant", "color": LEVEL}
             if is_color:
                 draft.data = {"type": "bitmap", "pixels": MISSING}
-    raw = p.flag("raw", False)
+    raw = p.flag("raw", is_linear)
     kind = filters[p.text("filter_type", "bilinear", tuple(filters))]
     wrap = p.text("wrap_mode", "repeat", ("repeat", "mirror", "clamp"))
     steps = _uv_steps(draft)
@@ -173,6 +173,18 @@ def _bitmap(context: Context, element: Element, path: str) -> Data:
     if channel:
         return {"type": "channel", "texture": draft.data, "channel": channel}
     return draft.data
+
+
+def _is_linear(draft: Draft) -> bool:
+    """Whether a picture of version 0.6 is linear: `gamma` is 1 then, and -1 for the curve of sRGB.
+
+    Other exponents, 2.2 most of all, are nearly that curve.
+    """
+    p = draft.properties
+    gamma = p.number("gamma", 0.0)
+    if gamma not in (0.0, 1.0, -1.0) and (found := p.find("gamma")) is not None:
+        draft.context.report.warn(found, "is a power: the curve of sRGB is taken")
+    return gamma == 1.0
 
 
 def _checkerboard(context: Context, element: Element, path: str) -> Data:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,18 @@ from alight.formats.names import free_name
 from alight.formats.surfaces import Surface
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.curves import read_curves, with_mean_color
-from alight.formats.usd.inherited import children_of, constants_of, handed_down, source_of
-from alight.formats.usd.lights import is_light, read_light
+from alight.formats.usd.inherited import (
+    children_of,
+    constants_of,
+    handed_down,
+    shown_of,
+    source_of,
+)
+from alight.formats.usd.lights import glow_of, is_light, read_light
 from alight.formats.usd.materials import plain_material, read_material
-from alight.formats.usd.meshes import arrays_of, has_set, read_mesh, solid
+from alight.formats.usd.meshes import arrays_of, read_mesh, say_what_is_lacking, solid
 from alight.formats.usd.modules import UsdGeom, UsdLux, UsdShade, UsdSkel
-from alight.formats.usd.placing import is_inside, is_placement
+from alight.formats.usd.placing import is_placement, say_what_is_inside
 from alight.formats.usd.points import read_points
 from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
@@ -76,18 +83,9 @@ class Graph(ModelScene):
         for around in self._domes:
             # They stand in the world, not where their prims do.
             self.nodes[free_name("dome", self.nodes, "dome")] = {"light": around}
-
-        self._say_what_is_inside_of_balls()
-
-    def _say_what_is_inside_of_balls(self) -> None:
-        """Tell why it is dark there."""
         eye = [] if self.view is None else [self.view[:3, 3]]
         box = corners(self.bounds.low, self.bounds.high)
-        for path, to_world, radius in self._balls:
-            inside = [is_inside(to_world, radius, points) for points in (box, eye)]
-            if any(inside):
-                text = "it shines outwards only, as UsdLux has it: inside of it is no light"
-                self.stage.report.approximate(f"{path}: {text}; a DomeLight shines from all around")
+        say_what_is_inside(self.stage.report, self._balls, (box, eye))
 
     def _children(self, parent: Any, to_world: Matrix, path: str) -> dict[str, Data]:
         nodes: dict[str, Data] = {}
@@ -238,6 +236,9 @@ class Graph(ModelScene):
         if triangles is None:
             return None
         self.bounds.add(triangles.vertices, to_world)
+        # Parts may have an inside together: then light is scattered below all of them.
+        scatter = all(self._material_of(part, prim)[1].inside is not None for part in bound)
+        whole = scatter and len(bound) > 1 and is_closed(mesh_of(arrays_of(triangles, ())))
         parts: dict[str, Data] = {}
         rest = np.ones(len(triangles.faces), bool)
         for subset, its_faces in zip(subsets, indices, strict=True):
@@ -245,11 +246,11 @@ class Graph(ModelScene):
             rest &= ~chosen
             if chosen.any():
                 part = subset.GetPrim()
-                parts[part.GetName()] = self._part(prim, part, triangles, chosen, to_world)
+                parts[part.GetName()] = self._part(prim, part, triangles, chosen, to_world, whole)
         if rest.any():
             left = None if rest.all() else rest
             name = free_name("rest", parts, "rest")
-            parts[name] = self._part(prim, prim, triangles, left, to_world)
+            parts[name] = self._part(prim, prim, triangles, left, to_world, whole)
         return next(iter(parts.values())) if len(parts) == 1 else {"children": parts}
 
     def _sets_of(self, bound: Any, prim: Any) -> tuple[str, ...]:
@@ -257,40 +258,42 @@ class Graph(ModelScene):
         return self._material_of(bound, prim)[1].sets or (DEFAULT_COORDINATES,)
 
     def _part(
-        self, prim: Any, bound: Any, triangles: Triangles, chosen: Any, to_world: Matrix
+        self,
+        prim: Any,
+        bound: Any,
+        triangles: Triangles,
+        chosen: Any,
+        to_world: Matrix,
+        whole: bool,
     ) -> Data:
-        sets = self._sets_of(bound, prim)
-        self._say_what_is_lacking(prim, bound, triangles)
+        say_what_is_lacking(self.stage, prim, self._material_of(bound, prim)[1].sets, triangles)
         try:
-            mesh = mesh_of(arrays_of(triangles, sets, chosen))
+            mesh = mesh_of(arrays_of(triangles, self._sets_of(bound, prim), chosen))
         except SceneError as error:
             self.stage.problem(prim, error.issues[0].sentence)
             raise SceneError(self.stage.report.issues) from None
         name, material = self._material_of(bound, prim)
         if material.inside is not None:
-            name, material = self._body(prim, mesh, material)
+            name, material = self._body(bound, mesh, material, whole)
+        emission = glow_of(self.stage, prim, material.emission, triangles, to_world)
+        material = replace(material, emission=emission)
+        self.is_lit |= prim.HasAPI(UsdLux.MeshLightAPI)
         return self._shining({"shape": mesh, "bsdf": name}, material, to_world)
 
-    def _body(self, prim: Any, shape: Data | Mesh, material: Surface) -> tuple[str, Surface]:
+    def _body(
+        self, prim: Any, shape: Data | Mesh, material: Surface, whole: bool = False
+    ) -> tuple[str, Surface]:
         """What a material is that scatters light inside, by whether the shape has an inside."""
-        closed = is_closed(shape) if isinstance(shape, Mesh) else shape["type"] != "rectangle"
+        is_mesh = isinstance(shape, Mesh)
+        closed = whole or is_closed(shape) if is_mesh else shape["type"] != "rectangle"
         if not closed:
             text = f"{prim.GetPath()}: open or inside out: no light is scattered below its surface"
             self.stage.report.approximate(text)
         material = material.on(closed)
         return self._bsdf_name(("body", str(prim.GetPath())), material, None, prim), material
 
-    def _say_what_is_lacking(self, prim: Any, bound: Any, triangles: Triangles) -> None:
-        asked = self._material_of(bound, prim)[1].sets
-        lacking = [name for name in asked if not has_set(triangles, name)]
-        if lacking:
-            instead = "others" if len(lacking) < len(asked) else "barycentric ones"
-            self.stage.report.approximate(
-                f"{prim.GetPath()}: it lacks the coordinates {' and '.join(lacking)}, which its "
-                f"material asks for; {instead} are taken"
-            )
-
     def _shining(self, data: Data, material: Surface, to_world: Matrix) -> Data:
+        data["shape"] = self.lifting.lift(data["shape"], material.heights, self.bounds, to_world)
         if isinstance(data["shape"], Mesh):
             self.shine(data["shape"], material, to_world)
         elif material.emission is not None:
@@ -301,10 +304,7 @@ class Graph(ModelScene):
         """Name and content of the material of a prim or of a part of it."""
         material, _ = UsdShade.MaterialBindingAPI(bound).ComputeBoundMaterial()
         # Materials may use the primvars of the prim; without a material, only they count.
-        color = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-        shown = str(color.Get(self.stage.time)) if color and color.HasValue() else ""
-        if len(shown) > 200:
-            shown = str(prim.GetPath())
+        shown = shown_of(self.stage, prim)
         constants = constants_of(self.stage, prim) if material else ()
         key = (source_of(material.GetPrim()) if material else "", shown, constants)
         if key not in self._materials:

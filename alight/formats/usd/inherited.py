@@ -33,6 +33,16 @@ def constants_of(stage: Stage, prim: Any) -> tuple[tuple[str, str], ...]:
     )
 
 
+def shown_of(stage: Stage, prim: Any) -> str:
+    """Colour and opacity that a prim shows without a material, equal where those are alike."""
+    found = (
+        UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+        for name in ("displayColor", "displayOpacity")
+    )
+    text = " ".join(str(p.Get(stage.time)) if p and p.HasValue() else "" for p in found)
+    return text if len(text) <= 200 else str(prim.GetPath())
+
+
 def children_of(prim: Any) -> Any:
     """The prims below a prim; those of an instance as they look there."""
     if prim.IsInstance():

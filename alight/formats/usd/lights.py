@@ -24,10 +24,12 @@ from alight.formats.lamps import (
     turned,
 )
 from alight.formats.reach import OutOfReachError
-from alight.formats.textures import DARK
+from alight.formats.textures import DARK, multiplied
+from alight.formats.usd.light_controls import say_what_is_unphysical
 from alight.formats.usd.modules import UsdLux
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import picture_of
+from alight.meshes.polygons import Triangles
 
 Data = dict[str, Any]
 _BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
@@ -69,7 +71,40 @@ def read_light(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     world : (4, 4) float64
         From the prim to our world, for column vectors.
     """
+    say_what_is_unphysical(stage, prim)
     return _READERS[prim.GetTypeName()](stage, prim, world)
+
+
+def glow_of(stage: Stage, prim: Any, own: Any, triangles: Triangles, world: np.ndarray) -> Any:
+    """What a mesh emits, color or texture, W/(m^2 sr): as a light (MeshLightAPI), or by itself.
+
+    Parameters
+    ----------
+    stage : Stage
+    prim : Usd.Prim
+        A mesh.
+    own : color, texture or None
+        What its material emits.
+    triangles : Triangles
+        All of the mesh: normalised lights are divided by its area.
+    world : (4, 4) float64
+    """
+    if not prim.HasAPI(UsdLux.MeshLightAPI):
+        return own
+    radiance = _radiance(stage, prim)
+    if _is_normalised(stage, prim):
+        corners = (triangles.vertices.astype(np.float64) @ world[:3, :3].T)[triangles.faces]
+        sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        radiance = radiance / max(0.5 * float(np.linalg.norm(sides, axis=1).sum()), 1e-30)
+    _say_shaping(stage, prim)
+    say_what_is_unphysical(stage, prim)
+    if own is None:
+        return radiance.tolist()
+    text = "the light of a mesh is multiplied by the glow of its material, seen directly, too"
+    stage.report.approximate(f"{prim.GetPath()}: {text}")
+    if isinstance(own, list):
+        return [a * b for a, b in zip(radiance.tolist(), own, strict=True)]
+    return multiplied(radiance.tolist(), own)
 
 
 def _radiance(stage: Stage, prim: Any) -> np.ndarray:
@@ -199,6 +234,10 @@ def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     asset = stage.value(UsdLux.DomeLight(prim).GetTextureFileAttr())
     if asset is None or not asset.path:
         return Placed({}, {"type": "constant", "radiance": radiance})
+    layout = stage.value(UsdLux.DomeLight(prim).GetTextureFormatAttr(), "automatic")
+    if layout not in ("automatic", "latlong"):
+        text = f"its picture of the format {layout} is taken for one of latitude and longitude"
+        stage.report.approximate(f"{prim.GetPath()}: {text}")
     try:
         picture = picture_of(stage, asset)
     except OutOfReachError as error:

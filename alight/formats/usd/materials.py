@@ -6,9 +6,12 @@ Source: Pixar, "UsdPreviewSurface specification", version 2.6.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from alight.core.errors import quote
+from alight.formats.heights import Heights
+from alight.formats.materialx.displacement import heights_of
 from alight.formats.materialx.scene import surface_of
 from alight.formats.materialx.shaders import SHADERS, read_shader
 from alight.formats.report import did_you_mean
@@ -44,7 +47,19 @@ def plain_material(stage: Stage, prim: Any) -> Surface:
                 color = [min(max(float(c), 0.0), 1.0) for c in table[0]]
         elif table is not None:
             color = {"type": "vertex_color", "fallback": 0.18}
-    return Surface({"type": "diffuse", "reflectance": color})
+    return Surface({"type": "diffuse", "reflectance": color}, opacity=_display_opacity(stage, prim))
+
+
+def _display_opacity(stage: Stage, prim: Any) -> float:
+    """The displayOpacity of a prim; its mean where it varies."""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
+    table = stage.table(primvar) if primvar and primvar.HasValue() else None
+    if table is None or table.shape[1:] != (1,) or not len(table):
+        return 1.0
+    table = table.clip(0.0, 1.0)
+    if table.max() > table.min():
+        stage.report.approximate(f"{prim.GetPath()}: displayOpacity varies: its mean is shown")
+    return float(table.mean())
 
 
 def read_material(stage: Stage, material: Any, prim: Any) -> Surface:
@@ -90,7 +105,8 @@ def _of_network(stage: Stage, material: Any, shader: Any, prim: Any) -> Surface 
     name = str(material.GetPath())
     displaced = material.ComputeDisplacementSource(_MATERIALX)
     if found is not None and displaced and displaced[0]:
-        stage.report.approximate(f"{name}: displacement is left out")
+        heights, sets = heights_of(network_of(stage, displaced[0]), host, found.sets)
+        found = replace(found, heights=heights, sets=sets)
     if found is None and material.GetSurfaceOutput(_MATERIALX):
         identifier = quote(str(shader.GetIdAttr().Get()))
         stage.report.approximate(f"{name}: shader {identifier} of MaterialX is not covered")
@@ -128,8 +144,9 @@ class _Preview:
         shines = isinstance(emission, dict) or max(emission) > 0.0
         self._say_what_is_left_out()
         opacity = self._opacity()
-        sets = tuple(self.textures.sets)
-        return Surface(core, normals, opacity, emission if shines else None, sets=sets)
+        heights = self._heights()
+        sets, glow = tuple(self.textures.sets), emission if shines else None
+        return Surface(core, normals, opacity, glow, sets=sets, heights=heights)
 
     def _specular(self, diffuse: Any) -> Data:
         """The workflow with a colour of what is reflected straight on: dielectric or metal."""
@@ -186,9 +203,17 @@ class _Preview:
     def _say_what_is_left_out(self) -> None:
         if self.textures.source_of(self.shader, "occlusion") is not None:
             self.stage.report.drop("occlusion: the light itself is traced")
-        displaced = self.textures.source_of(self.shader, "displacement") is not None
-        if displaced or float(self._plain("displacement")) != 0.0:
+
+    def _heights(self) -> Heights | None:
+        """What displaces the surface: a number, or one channel of a picture."""
+        source = self.textures.source_of(self.shader, "displacement")
+        if source is None:
+            plain = float(self._plain("displacement"))
+            return Heights(1.0, plain) if plain != 0.0 else None
+        found = self.textures.heights(*source)
+        if found is None:
             self._approximate("displacement is left out")
+        return found
 
     def _approximate(self, text: str) -> None:
         self.stage.report.approximate(f"{self.shader.GetPath()}: {text}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,14 +12,12 @@ from alight.core.errors import unknown_name
 from alight.formats.usd.modules import UsdGeom
 from alight.formats.usd.skins import Pose
 from alight.formats.usd.stage import Stage
-from alight.meshes.polygons import Polygons, Triangles, subdivided, triangulated, vertex_normals
+from alight.formats.usd.subdivision import smoothed
+from alight.meshes.polygons import Polygons, Triangles, triangulated
 from alight.meshes.triangles import MeshArrays, joined_sets
 from alight.shapes.mesh import Mesh
 
 Data = dict[str, Any]
-#: Levels of subdivision, fewer for meshes that would have more faces than this.
-LEVELS, MOST_FACES = 2, 1_000_000
-_INFINITE = 10.0
 #: Before the names of texture coordinates among the values of a mesh.
 _UVS = "uvs "
 #: Rotation that takes +z to the axis of a solid.
@@ -59,12 +56,7 @@ def read_mesh(
     if pose is not None:
         polygons = _posed(polygons, pose)
     mesh = UsdGeom.Mesh(prim)
-    scheme = stage.value(mesh.GetSubdivisionSchemeAttr(), UsdGeom.Tokens.catmullClark)
-    if scheme == UsdGeom.Tokens.catmullClark:
-        polygons = _refined(stage, mesh, polygons)
-    elif scheme == UsdGeom.Tokens.loop:
-        stage.report.approximate(f"{prim.GetPath()}: Loop's scheme; its control mesh is shown")
-    return triangulated(polygons)
+    return triangulated(smoothed(stage, mesh, polygons))
 
 
 def arrays_of(triangles: Triangles, sets: Sequence[str], chosen: Any = None) -> MeshArrays:
@@ -86,6 +78,19 @@ def arrays_of(triangles: Triangles, sets: Sequence[str], chosen: Any = None) -> 
 def has_set(triangles: Triangles, name: str) -> bool:
     """Whether there are texture coordinates of this name."""
     return _UVS + name in triangles.values
+
+
+def say_what_is_lacking(
+    stage: Stage, prim: Any, asked: Sequence[str], triangles: Triangles
+) -> None:
+    """Tell which of the texture coordinates that a material asks for a mesh does not have."""
+    lacking = [name for name in asked if not has_set(triangles, name)]
+    if lacking:
+        instead = "others" if len(lacking) < len(asked) else "barycentric ones"
+        stage.report.approximate(
+            f"{prim.GetPath()}: it lacks the coordinates {' and '.join(lacking)}, which its "
+            f"material asks for; {instead} are taken"
+        )
 
 
 def _polygons(stage: Stage, prim: Any, sets: Sequence[str]) -> Polygons | None:
@@ -195,48 +200,6 @@ def _by_corners(table: Any, how: str, points: int, counts: Any, corners: Any) ->
     if how == tokens.constant and len(rows) == 1:
         return np.repeat(rows, len(corners), axis=0)
     return None
-
-
-def _refined(stage: Stage, mesh: Any, polygons: Polygons) -> Polygons:
-    """Subdivide, with normals of the result; normals of the file are not those of the limit."""
-    levels = LEVELS
-    while levels and len(polygons.corners) * 4 ** (levels - 1) > MOST_FACES:
-        levels -= 1
-    creases, sharpness = _creases(stage, mesh)
-    pinned = np.array(stage.value(mesh.GetCornerIndicesAttr(), []), np.int64)
-    pinned = pinned[(pinned >= 0) & (pinned < len(polygons.points))]
-    values = {name: table for name, table in polygons.values.items() if name != "normals"}
-    start = Polygons(
-        polygons.points, polygons.counts, polygons.corners, values, polygons.origin,
-        creases, sharpness, pinned,
-    )  # fmt: skip
-    fine = subdivided(start, levels)
-    if levels == LEVELS:
-        text = f"subdivision surfaces are shown after {levels} steps of Catmull and Clark's"
-    else:
-        text = f"{mesh.GetPath()}: so large that it is subdivided {levels} times only"
-    stage.report.approximate(text)
-    smooth = not len(creases)
-    if smooth:
-        fine.values["normals"] = vertex_normals(fine)[fine.corners]
-    return fine
-
-
-def _creases(stage: Stage, mesh: Any) -> tuple[Any, Any]:
-    """Edges of the chains of creases, and their sharpness."""
-    lengths = np.array(stage.value(mesh.GetCreaseLengthsAttr(), []), np.int64)
-    indices = np.array(stage.value(mesh.GetCreaseIndicesAttr(), []), np.int64)
-    given = np.array(stage.value(mesh.GetCreaseSharpnessesAttr(), []), np.float64)
-    edges, sharpness, start = [], [], 0
-    by_edge = len(given) == int(np.maximum(lengths - 1, 0).sum()) != len(lengths)
-    for chain, length in enumerate(lengths):
-        part = indices[start : start + length]
-        start += length
-        for pair in itertools.pairwise(part):
-            number = len(edges) if by_edge else chain
-            edges.append(pair)
-            sharpness.append(min(given[number], _INFINITE) if number < len(given) else _INFINITE)
-    return np.array(edges, np.int64).reshape(-1, 2), np.array(sharpness, np.float64)
 
 
 def solid(stage: Stage, prim: Any) -> tuple[Data, list[Data]] | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.fields import LARGEST
+from alight.formats.report import Report
 from alight.formats.usd.stage import Stage
 from alight.scene.transform import is_singular
 
@@ -25,6 +27,24 @@ def _to_local(to_world: Matrix, points: Any) -> Matrix:
     """World points (n, 3) as a prim has them."""
     found = np.linalg.solve(to_world[:3, :3], (np.asarray(points, np.float64) - to_world[:3, 3]).T)
     return np.asarray(found.T, np.float64)
+
+
+def say_what_is_inside(
+    report: Report, balls: Sequence[tuple[str, Matrix, float]], places: Sequence[Any]
+) -> None:
+    """Tell why it is dark in lamps that are balls: name, matrix and radius of each.
+
+    Parameters
+    ----------
+    report : Report
+    balls : sequence of (str, (4, 4) float64, float)
+    places : sequence of (n, 3) array_like
+        World points of the scene, and of the camera.
+    """
+    for path, to_world, radius in balls:
+        if any(is_inside(to_world, radius, points) for points in places):
+            text = "it shines outwards only, as UsdLux has it: inside of it is no light"
+            report.approximate(f"{path}: {text}; a DomeLight shines from all around")
 
 
 def is_placement(matrix: Matrix) -> bool:

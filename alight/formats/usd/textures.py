@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
+from alight.formats.heights import Heights
 from alight.formats.reach import OutOfReachError, UnreadableError
 from alight.formats.textures import (
     CHECKERED,
@@ -30,10 +31,16 @@ from alight.formats.textures import (
 from alight.formats.udim import find_tiles, is_tiled, lay_out
 from alight.formats.usd.modules import Ar, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
+from alight.outputs.wraps import read_wraps
 from alight.textures.images import Image
+from alight.textures.uv import parse_uv_transform
 
 Data = dict[str, Any]
-_WRAPS = {"repeat": "repeat", "clamp": "clamp", "mirror": "mirror", "useMetadata": "repeat"}
+_WRAPS = {"repeat": "repeat", "clamp": "clamp", "mirror": "mirror"}
+#: The wrap where a file says nothing: that of the picture's own metadata.
+_OF_PICTURE = "useMetadata"
+#: How far beyond its edges a picture may be looked up and not be beyond them.
+_ROUNDING = 1e-4
 _SPACES = {"raw": "linear", "sRGB": "srgb"}
 #: Name of the texture coordinates where a file gives none.
 DEFAULT_COORDINATES = "st"
@@ -96,8 +103,8 @@ class Textures:
             return None
         space = str(self._input(shader, "sourceColorSpace") or "auto")
         data = bitmap(picture, _SPACES.get(space, "auto" if is_color else "linear"))
-        data |= wrapped(self._wrap(shader, "wrapS"), self._wrap(shader, "wrapT"))
         name, steps = self._coordinates_of(shader)
+        data |= wrapped(*self._wraps(shader, picture, name, steps))
         if steps:
             data["to_uv"] = steps
         number = self._set_of(shader, name)
@@ -116,6 +123,17 @@ class Textures:
             text = "without a bias of -1 its normals lean to +x and +y everywhere, as the file says"
             self._approximate(shader, text)
         return normals(picture, scale[:3], bias[:3])
+
+    def heights(self, shader: Any, output: str) -> Heights | None:
+        """One channel of a UsdUVTexture as heights, which its bias may put below the surface."""
+        if str(shader.GetIdAttr().Get()) != "UsdUVTexture":
+            return None
+        picture = self.bitmap(shader, is_color=False)
+        if picture is None:
+            return None
+        name = output if output in _CHANNELS else "r"
+        scale, bias = (part[_CHANNELS.index(name)] for part in self._range(shader))
+        return Heights.of(channel(picture, name), scale, bias)
 
     def _range(self, shader: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """What the four channels of a picture are multiplied by, and what is added."""
@@ -196,11 +214,31 @@ class Textures:
     def _varname(self, shader: Any) -> str:
         return str(self._input(shader, "varname") or "")
 
-    def _wrap(self, shader: Any, name: str) -> str:
-        wrap = str(self._input(shader, name) or "useMetadata")
-        if wrap not in _WRAPS:
-            self._approximate(shader, f"{name} {wrap} became clamp")
-        return _WRAPS.get(wrap, "clamp")
+    def _wraps(self, shader: Any, picture: str | Image, name: str, steps: list[Data]) -> list[str]:
+        """What is beyond the edges of a picture along u and v."""
+        found = []
+        own = _wraps_of(self.stage, picture)
+        for axis, key in enumerate(("wrapS", "wrapT")):
+            wrap = str(self._input(shader, key) or _OF_PICTURE)
+            if wrap == _OF_PICTURE:
+                wrap = own[axis]
+                if not wrap and self._leaves(name, steps, axis):
+                    self._approximate(shader, f"neither it nor its picture has a {key}: it repeats")
+                wrap = wrap or "repeat"
+            if wrap not in _WRAPS:
+                self._approximate(shader, f"{key} {wrap} became clamp")
+            found.append(_WRAPS.get(wrap, "clamp"))
+        return found
+
+    def _leaves(self, name: str, steps: list[Data], axis: int) -> bool:
+        """Whether the shape looks beyond the edges of a picture along u (0) or v (1)."""
+        primvar = UsdGeom.PrimvarsAPI(self.prim).FindPrimvarWithInheritance(name)
+        table = self.stage.table(primvar) if primvar and primvar.HasValue() else None
+        if table is None or not len(table) or table.shape[1] < 2:
+            return False
+        matrix = parse_uv_transform(steps).matrix
+        along = table[:, :2] @ matrix[axis, :2] + matrix[axis, 2]
+        return bool(along.min() < -_ROUNDING or along.max() > 1.0 + _ROUNDING)
 
     def _input(self, shader: Any, name: str, default: Any = None) -> Any:
         """Value of an input; with a default, only one of its kind."""
@@ -247,6 +285,15 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         text = " ".join(str(error).split())[:200]
     raise UnreadableError(f"{quote(asset.path)}: the picture {text or 'is broken'}")
+
+
+def _wraps_of(stage: Stage, picture: str | Image) -> tuple[str, str]:
+    """What a picture beside the stage says of itself beyond its edges along u and v."""
+    try:
+        return read_wraps(stage.reach.find(picture)) if isinstance(picture, str) else ("", "")
+    except OutOfReachError:
+        # Many files, one beside the other.
+        return "", ""
 
 
 def _tiles(stage: Stage, authored: str) -> str:

@@ -40,7 +40,7 @@ from alight.integrators.walk import (
 from alight.lights.emission.density import direct_density, emission_density, is_kind
 from alight.shapes.hit import Surface, no_hit, spawn_origin
 from alight.shapes.model import SHAPES
-from alight.shapes.surfaces import blank, chart_of, usual_wavelength
+from alight.shapes.surfaces import blank, chart_of, usual_bend, usual_wavelength
 from lanewise.jit import kernel
 from lanewise.records import replace
 from lanewise.simd import (
@@ -93,6 +93,7 @@ def no_light_vertex(scene):
         color=g.color,
         chart=chart_of(scene.shapes, hit),
         wavelength=usual_wavelength(),
+        bend=usual_bend(),
     )
     black = lanes_vec3(0.0)
     return LightVertex(surface, black, black, nothing_behind(), zero, lanes_mask(False))

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -88,11 +89,23 @@ class Executor(Protocol):
         ...
 
 
-class Threads:
-    """The threads of this process; they keep their memory from pass to pass."""
+class Crew:
+    """Threads that several jobs may share, with the memory that each has from tile to tile.
 
-    pass_seconds, adds_whole_samples, note = PASS_SECONDS, False, ""
-    _pool: ThreadPoolExecutor | None = None
+    Parameters
+    ----------
+    count : int
+    """
+
+    def __init__(self, count: int) -> None:
+        self.pool, self._local = ThreadPoolExecutor(count), threading.local()
+
+    @property
+    def scratch(self) -> Scratch:
+        """The memory of the thread that asks."""
+        if not hasattr(self._local, "scratch"):
+            self._local.scratch = Scratch()
+        return self._local.scratch
 
     def __enter__(self) -> Self:
         """Nothing to open."""
@@ -100,13 +113,35 @@ class Threads:
 
     def __exit__(self, *raised: object) -> None:
         """End the threads."""
-        if self._pool is not None:
-            self._pool.shutdown()
+        self.pool.shutdown()
+
+
+class Threads:
+    """The threads of this process; they keep their memory from pass to pass.
+
+    Parameters
+    ----------
+    crew : Crew, optional
+        Of somebody else, who ends it; by default each job has its own.
+    """
+
+    pass_seconds, adds_whole_samples, note = PASS_SECONDS, False, ""
+
+    def __init__(self, crew: Crew | None = None) -> None:
+        self._shared, self._own = crew, ExitStack()
+
+    def __enter__(self) -> Self:
+        """Nothing to open."""
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        """End the threads."""
+        self._own.close()
 
     def begin(self, job: Job) -> None:
         """Start the threads."""
-        self._job, self._local = job, threading.local()
-        self._pool = ThreadPoolExecutor(job.threads)
+        self._job = job
+        self._crew = self._shared or self._own.enter_context(Crew(job.threads))
 
     def render(
         self,
@@ -117,18 +152,13 @@ class Threads:
         report: Callable[[], None],
     ) -> None:
         """Render each block on the next free thread; see `Executor`."""
-        job, local = self._job, self._local
+        job, crew = self._job, self._crew
 
         def work(block: Block) -> None:
-            if cancel.is_set():
-                return
-            if not hasattr(local, "scratch"):
-                local.scratch = Scratch()
-            add(*render_tile(job.kernels, job.scene, settings, *block, local.scratch))
+            if not cancel.is_set():
+                add(*render_tile(job.kernels, job.scene, settings, *block, crew.scratch))
 
-        pool = self._pool
-        assert pool is not None
-        futures = [pool.submit(work, block) for block in blocks]
+        futures = [crew.pool.submit(work, block) for block in blocks]
         try:
             for future in futures:
                 future.result()
@@ -136,7 +166,9 @@ class Threads:
         except BaseException:
             # Tiles that run are finished and added; those that wait are dropped.
             cancel.set()
-            pool.shutdown(wait=True, cancel_futures=True)
+            for future in futures:
+                future.cancel()
+            wait(futures)
             raise
 
     def statistics(self) -> dict[str, Any]:

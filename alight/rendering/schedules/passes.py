@@ -38,15 +38,18 @@ class Work:
         shape = film.cells.shape
         self.next, self.end = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
         window = cells_of(*film.crop)
-        gaps: dict[tuple[SampleRanges, int, int], tuple[int, int]] = {}
-        rows = zip(film.cells[window], goal.first[window], goal.count[window], strict=True)
-        starts, ends = self.next[window], self.end[window]
-        for y, row in enumerate(rows):
-            for x, (cell, first, count) in enumerate(zip(*row, strict=True)):
-                key = (cell, int(first), int(count))
-                if key not in gaps:
-                    gaps[key] = first_gap(*key)
-                starts[y, x], ends[y, x] = gaps[key]
+        # Cells that hold the same samples share one object: by it a gap is known without a hash.
+        gaps: dict[tuple[int, int, int], tuple[int, int]] = {}
+        cells = film.cells[window].ravel().tolist()
+        firsts, counts = goal.first[window].ravel().tolist(), goal.count[window].ravel().tolist()
+        found = []
+        for cell, first, count in zip(cells, firsts, counts, strict=True):
+            key = (id(cell), first, count)
+            if key not in gaps:
+                gaps[key] = first_gap(cell, first, count)
+            found.append(gaps[key])
+        both = np.array(found, np.int64).reshape(*goal.first[window].shape, 2)
+        self.next[window], self.end[window] = both[..., 0], both[..., 1]
 
     @property
     def left(self) -> int:

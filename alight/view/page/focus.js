@@ -12,7 +12,7 @@ export class Focus {
   show({ lens }) {
     const distance = lens?.focus_distance;
     $("focus-at").textContent = distance === undefined ? "Sharp everywhere"
-      : `Focus at ${Number(distance.toPrecision(4))}`;
+      : `Focus at ${Number(distance.toPrecision(4))} m`;
   }
 
   // Whether the next click focuses.

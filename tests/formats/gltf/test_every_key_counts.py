@@ -311,7 +311,7 @@ def test_every_number_and_texture_that_is_read_is_here():
         missing = plain - {name for of, name in known if of == owner} - OF_PICTURES
         assert not missing, owner
     textures = {key.texture[0] for key in KEYS if key.texture}
-    textures |= {"normalTexture", "iridescenceThicknessTexture"}
+    textures |= {"normalTexture", "clearcoatNormalTexture", "iridescenceThicknessTexture"}
     assert textures == {name for _, names in TEXTURE_KEYS for name in names}
 
 

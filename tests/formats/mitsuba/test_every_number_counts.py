@@ -64,7 +64,7 @@ DEFAULTS = {
     "ppm": _DEPTHS, "prb": _DEPTHS, "prb_basic": _DEPTHS, "prb_projective": _DEPTHS,
     "prbvolpath": _DEPTHS, "pssmlt": _DEPTHS, "ptracer": _DEPTHS, "sppm": _DEPTHS,
     "volpath": _DEPTHS, "volpath_simple": _DEPTHS, "volpathmis": _DEPTHS, "vpl": _DEPTHS,
-    "bitmap": _UV, "checkerboard": _UV,
+    "bitmap": _UV | {"gamma": 0.0}, "checkerboard": _UV,
     "bumpmap": {"scale": 1.0},
     "coating": {"thickness": 1.0},
     "gaussian": {"stddev": 0.5},

@@ -60,10 +60,10 @@ PLAINER = {("dots", axis + name) for axis in "uv" for name in ("scale", "delta")
 PLAINER |= {("marble", "variation")}
 
 
-def outcome(text):
+def outcome(text, **options):
     """What a file becomes, and what is said."""
     try:
-        found = read(text)
+        found = read(text, **options)
     except SceneError as error:
         return (str(error),)
     return content_hash(found), repr(found.warnings), repr(found.source.remarks)

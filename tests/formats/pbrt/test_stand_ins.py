@@ -188,6 +188,16 @@ def test_waves_stand_in_the_space_of_their_texture():
     assert noise.offset == (-1.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize(("kind", "size"), [("marble", 3.0), ("windy", 0.1)])
+def test_waves_are_finer_by_their_scale(kind, size):
+    """pbrt multiplies the point by it; the wind is ten times as wide as its waves."""
+    given = '"float scale" 3' if kind == "marble" else ""
+    body = f'Scale 2 4 8 Texture "t" "spectrum" "{kind}" {given}\n'
+    scene = read(f'{body}Material "diffuse" "texture reflectance" "t"\nShape "sphere"')
+    found = [t.scale for t in scene.textures.values() if t.type_name() == "noise"]
+    assert any(np.allclose(scale, size * np.array([0.5, 0.25, 0.125])) for scale in found)
+
+
 def test_unseen_spheres_light_as_points():
     lamp = 'AreaLightSource "diffuse" "rgb L" [3 2 1]\nTranslate 1 2 3\nShape "sphere"'
     scene = read(f'{lamp} "float radius" 2 "float alpha" 0')

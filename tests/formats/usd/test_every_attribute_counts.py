@@ -17,8 +17,7 @@ LIGHTS = ("SphereLight", "RectLight", "DiskLight", "CylinderLight", "DistantLigh
 #: How others are linked to a light or computed; when the shutter is open; and what is said with
 #: the attribute that it belongs to.
 IGNORED = {
-    "inputs:diffuse", "inputs:specular", "inputs:shaping:focusTint",
-    "shutter:open", "shutter:close", "inputs:shaping:ies:angleScale",
+    "inputs:shaping:focusTint", "shutter:open", "shutter:close", "inputs:shaping:ies:angleScale",
     "inputs:shaping:ies:normalize",
 }  # fmt: skip
 #: Cones of surfaces are left out as a whole, and a dome has no size.

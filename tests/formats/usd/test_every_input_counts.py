@@ -77,6 +77,7 @@ def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) {{{SQUARE}
             rounded([*scene.bsdfs.values(), *lights]),
             repr(scene.warnings),
             repr(scene.source.remarks),
+            [node.shape.displacement_scale for _, _, node in scene.walk() if node.shape],
         )
 
     return run

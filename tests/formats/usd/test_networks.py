@@ -213,3 +213,56 @@ def test_light_is_scattered_inside_of_closed_shapes_only(tmp_path):
     assert looks["world/ball"].radius == pytest.approx((0.01, 0.005, 0.0025))
     assert looks["world/wall"].type_name() == "two_sided"
     assert any("/wall: open or inside out" in text for text in scene.source.remarks.warnings)
+
+
+OCTAHEDRON = """
+    int[] faceVertexCounts = [3, 3, 3, 3, 3, 3, 3, 3]
+    int[] faceVertexIndices = [0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
+        2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5]
+    point3f[] points = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    uniform token subdivisionScheme = "none"
+"""
+TOP = """
+    def GeomSubset "top" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+        uniform token elementType = "face"
+        uniform token familyName = "materialBind"
+        int[] indices = [0, 1, 2, 3]
+        rel material:binding = %s
+    }
+"""
+
+
+def looks_of(folder, mesh, top):
+    other = BODY.partition("def Sphere")[0].replace('"m"', '"n"').replace("/m/", "/n/")
+    other = other.replace("(1, 0.5, 0.25)", "(2, 2, 2)")
+    plain = MATERIAL_OF_PRIM
+    text = BODY.partition("def Sphere")[0] + other + plain + MESH % ("/m", mesh + TOP % top)
+    (folder / "a.usda").write_text(stage_text(text))
+    scene = load(folder / "a.usda")
+    shown = {path: scene.bsdfs[node.bsdf] for path, _, node in scene.walk() if node.shape}
+    return {path.rpartition("/")[2]: bsdf for path, bsdf in shown.items()}, scene.warnings
+
+
+MATERIAL_OF_PRIM = """
+def Material "plain" {
+    token outputs:surface.connect = </plain/s.outputs:surface>
+    def Shader "s" {
+        uniform token info:id = "UsdPreviewSurface"
+        token outputs:surface
+    }
+}
+"""
+
+
+def test_parts_of_a_mesh_may_close_a_body_together(tmp_path):
+    """Each has its own; an open mesh, or one with a part that is no body, has none."""
+    looks, said = looks_of(tmp_path, OCTAHEDRON, "</n>")
+    assert {bsdf.type_name() for bsdf in looks.values()} == {"subsurface"}
+    assert looks["top"].radius == (2.0, 2.0, 2.0)
+    assert looks["rest"].radius == (1.0, 0.5, 0.25)
+    assert not any("inside out" in text for text in said)
+    opened = OCTAHEDRON.replace("3, 3]", "3]", 1).replace(", 0, 3, 5]", "]")
+    for mesh, top in ((opened, "</n>"), (OCTAHEDRON, "</plain>")):
+        looks, said = looks_of(tmp_path, mesh, top)
+        assert looks["rest"].type_name() == "two_sided"
+        assert any("inside out" in text for text in said)

@@ -1,0 +1,79 @@
+"""A chain of mirrors that leads to a lamp finds the light of that lamp, and of no other one."""
+
+from unittest import mock
+
+import numpy as np
+
+from alight.bsdfs.flags import REFLECTION
+from alight.core.vec import Vec3
+from alight.integrators import walk
+from alight.integrators.caustics.chain_types import Type
+from alight.integrators.caustics.specular_chain import Plan, Start, follow
+from alight.lights.targets import target_at
+from alight.media.tables import Stream
+from lanewise.jit import instantiate
+from tests.rendering.many_paths import compiled
+
+MIRROR = """
+alight: 1
+integrator: {type: path, max_depth: 6, caustics: manifold}
+camera: {type: pinhole, transform: {translate: [0, 0, 9]}}
+nodes:
+  mirror: {shape: rectangle, bsdf: {type: mirror}, transform: [{scale: 20}]}
+  first:
+    shape: {type: sphere, center: [0, 0, 3], radius: 0.5}
+    light: {type: area, radiance: 5}
+  second:
+    shape: {type: sphere, center: [0.3, 0.2, 2], radius: 0.4}
+    light: {type: area, radiance: 7}
+"""
+LAMPS = {0: ((0.0, 0.0, 3.0), 0.5, 5.0), 1: ((0.3, 0.2, 2.0), 0.4, 7.0)}
+N = 400
+
+
+def first_lamp(o, d):
+    """The number of the lamp that each ray meets first, -1 for none."""
+    found, nearest = np.full(len(d), -1), np.full(len(d), np.inf)
+    for number, (center, radius, _) in LAMPS.items():
+        to = np.array(center) - o
+        along = (to * d).sum(axis=1)
+        inside = radius**2 - (to**2).sum(axis=1) + along**2
+        t = along - np.sqrt(np.maximum(inside, 0.0))
+        nearer = (inside > 0.0) & (t > 0.0) & (t < nearest)
+        found, nearest = np.where(nearer, number, found), np.where(nearer, t, nearest)
+    return found
+
+
+def test_lamps_before_each_other_are_told_apart():
+    rng, scene = np.random.default_rng(2), compiled(MIRROR)
+    start = np.array([-0.4, 0.1, 1.5])
+    lead = np.errstate(all="ignore")(instantiate(follow, scene.program, compiled=False))
+    aim = instantiate(target_at, scene.program, compiled=False)
+    one, none = np.ones(N, bool), np.zeros(N, np.uint32)
+    turn = np.array([1.0, 1.0, -1.0])
+    # Where a mirror shows both lamps, and what is beside them.
+    image = turn * (np.array([0.1, 0.1, 2.5]) + rng.uniform(-0.7, 0.7, (N, 3)))
+    d = image - start
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    at = start - d * (start[2] / d[:, 2:])
+    met = first_lamp(at, d * turn)
+    assert {-1, 0, 1} == {*met.tolist()}
+    o = Vec3(*(np.full(N, c, np.float32) for c in start))
+    rays = Start(o, Vec3(*np.float32(d.T)), ())
+    plan = Plan(Type(none + REFLECTION, none + 1), ~one, one, Stream(none, none, none), none)
+    for number in (0, 1):
+        target = aim(scene.tables, none + np.uint32(number))
+        middle = [float(np.ravel(c)[0]) for c in (target.c.x, target.c.y, target.c.z)]
+        [wanted] = [n for n, lamp in LAMPS.items() if np.allclose(lamp[0], middle)]
+        center, radius, radiance = LAMPS[wanted]
+        # Rays are counted by the bits of a packet, of which there is none here.
+        with mock.patch.object(walk, "mask_bits", lambda mask: 0):
+            followed = lead(scene.tables, rays, target, plan, one)
+        found = np.broadcast_to(followed.found.x, N)
+        np.testing.assert_allclose(found, np.where(met == wanted, radiance, 0.0))
+        assert np.all(followed.fine)
+        # By how many radii the last ray passes the lamp's middle.
+        aside = np.linalg.norm(np.cross(center - at, d * turn), axis=1) / radius
+        miss = followed.miss
+        miss = np.linalg.norm([np.broadcast_to(c, N) for c in (miss.x, miss.y, miss.z)], axis=0)
+        np.testing.assert_allclose(miss, aside, atol=1e-4)

@@ -1,0 +1,33 @@
+"""A size and a crop that are asked for, over those of the scene: each pair that can be."""
+
+import itertools
+
+import pytest
+
+from alight.formats import loads
+from alight.options.loading import scene_of
+from alight.options.render import RenderOptions
+
+SCENE = """
+alight: 1
+camera: {type: pinhole}
+film: {size: [32, 24], crop: [20, 10, 8, 8]}
+nodes: {ball: {shape: sphere}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("size", "crop"), [*itertools.product([None, "16", "48x36"], [None, "1,2,6,5"])]
+)
+def test_a_new_size_shows_all_of_the_picture_unless_a_crop_is_asked_for(size, crop):
+    given = {name: text for name, text in (("size", size), ("crop", crop)) if text}
+    film = scene_of(loads(SCENE), RenderOptions(**given)).film
+    assert film.size == {None: (32, 24), "16": (16, 16), "48x36": (48, 36)}[size]
+    own = (20, 10, 8, 8) if size is None else None
+    assert film.crop == (own if crop is None else (1, 2, 6, 5))
+
+
+@pytest.mark.parametrize(("dpi", "pixels"), [(None, (1050, 750)), (100, (350, 250))])
+def test_paper_has_the_pixels_of_its_inches(dpi, pixels):
+    options = RenderOptions(size="3.5x2.5in", dpi=dpi)
+    assert scene_of(loads(SCENE), options).film.size == pixels

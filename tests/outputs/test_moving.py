@@ -1,0 +1,74 @@
+"""Files of many pictures: every frame once, for its time, while the next ones are made."""
+
+import struct
+import weakref
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from alight.core.errors import OutputError
+from alight.outputs.moving import MovingFile, played_fps
+
+
+def frames(count, height=4, width=6):
+    random = np.random.default_rng(1)
+    return [random.integers(0, 256, (height, width, 3), np.uint8) for _ in range(count)]
+
+
+def test_apng_keeps_frames_that_are_alike_and_their_exact_time(tmp_path):
+    first, second = frames(2)
+    path, all_of_them = tmp_path / "a.apng", [first, first, second]
+    with MovingFile(path, 24, 3) as film:
+        for frame in all_of_them:
+            film.add(frame)
+    with Image.open(path) as image:
+        assert image.n_frames == 3
+        for number, frame in enumerate(all_of_them):
+            image.seek(number)
+            assert np.array_equal(np.asarray(image), frame)
+            assert image.info["duration"] == pytest.approx(1000 / 24)
+    data = path.read_bytes()
+    delays = [data[i + 24 : i + 28] for i in range(len(data)) if data[i : i + 4] == b"fcTL"]
+    assert delays == [struct.pack(">HH", 1, 24)] * 3
+
+
+def test_frames_do_not_wait_in_memory_for_the_end(tmp_path):
+    alive: list[weakref.ref] = []
+    with MovingFile(tmp_path / "a.apng", 24, 40) as film:
+        for _ in range(40):
+            frame = frames(1, 128, 128)[0]
+            alive.append(weakref.ref(frame))
+            film.add(frame)
+        # Two wait, one is compressed, one is ours.
+        assert sum(one() is not None for one in alive) <= 5
+
+
+def test_a_film_that_cannot_be_written_says_so_and_blocks_nobody(tmp_path):
+    with (
+        pytest.raises(OutputError, match="does not exist"),
+        MovingFile(tmp_path / "none" / "a.apng", 24, 99) as film,
+    ):
+        for _ in range(99):
+            film.add(frames(1)[0])
+
+
+def test_an_interrupted_film_leaves_the_last_one(tmp_path):
+    path = tmp_path / "a.gif"
+    path.write_bytes(b"old")
+    with pytest.raises(KeyboardInterrupt), MovingFile(path, 24, 9) as film:
+        film.add(frames(1)[0])
+        raise KeyboardInterrupt
+    assert path.read_bytes() == b"old"
+    assert [one.name for one in tmp_path.iterdir()] == ["a.gif"]
+
+
+@pytest.mark.parametrize(("fps", "played"), [(24, 25), (25, 25), (30, 100 / 3), (1000, 50)])
+def test_the_nearest_that_gif_has(tmp_path, fps, played):
+    path = tmp_path / "a.gif"
+    assert played_fps(path, fps) == pytest.approx(played)
+    with MovingFile(path, fps, 2) as film:
+        for frame in frames(2):
+            film.add(frame)
+    with Image.open(path) as image:
+        assert 1000.0 / image.info["duration"] == pytest.approx(played)
