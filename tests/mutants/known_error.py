@@ -82,7 +82,7 @@ KNOWN_ERROR = (
     Mutant(
         "one class for all pixels below twice the brightness around them",
         "metrics/noisy_pixels.py",
-        (("_EDGES = (0.5**2, 1.0, 2.0**2,", "_EDGES = (2.0**2,"),),
+        (("EDGES = (0.5**2, 1.0, 2.0**2,", "EDGES = (2.0**2,"),),
         f"{NOISY}::test_the_interval_holds_where_lamps_cover_any_part_of_a_pixel",
     ),
     Mutant(
