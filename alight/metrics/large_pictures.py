@@ -62,6 +62,9 @@ _ALONG = 4
 #: Pairs of channels, each above or on the diagonal.
 _PAIRS = 6
 
+#: r is 0.02 to 10^24, and its square no float32: it is added up in parts of this size, squared.
+_PARTS = 1e-6
+
 #: Room for a packet's numbers, each in a row of its own.
 _THREE_ROWS, _NINE_ROWS, _ROWS_OF_SUMS = 3 * WIDEST, 9 * WIDEST, _SUMS * WIDEST
 
@@ -135,7 +138,7 @@ def gather_pixels(sums, noisy, group, error, own, q2, brightness, noise, epsilon
     store_lanes(rows, LANES, r * rho)
     store_lanes(rows, 2 * LANES, r * (rho * rho - noise * inverse))
     store_lanes(rows, 3 * LANES, r * floor)
-    store_lanes(rows, 4 * LANES, r * r)
+    store_lanes(rows, 4 * LANES, (_PARTS * r) * (_PARTS * r))
     store_lanes(rows, 5 * LANES, r * sqrt(r))
     store_lanes(rows, 6 * LANES, r * log(own * inverse))
     store_lanes(rows, 7 * LANES, r * (noise * inverse))
@@ -161,7 +164,7 @@ def weight_of(factors, a, b, q2, epsilon):
     away = where(b.brightness >= a.brightness, deviation, -deviation)
     quiet = maximum(b.brightness - away, 0.0)
     unsure = error_b >= PRECISE * own_b
-    plain = where(unsure, sqrt(plain / (quiet * quiet + epsilon)), plain)
+    plain = where(unsure, sqrt(plain) / sqrt(quiet * quiet + epsilon), plain)
     noisy = error_a >= PRECISE * maximum(own_a, q2)
     if any_lane(noisy):
         believed = gather(factors, class_of_pixels(own_a, q2, error_a)) / q2
@@ -241,7 +244,7 @@ def multiply_pixels(picture, factors, cells, along, place, known):
         inverse = where(known, 1.0 / (a.samples + b.samples), 0.0)
         store_lanes(rows, 3 * c * LANES, a.brightness)
         store_lanes(rows, (3 * c + 1) * LANES, b.brightness)
-        store_lanes(rows, (3 * c + 2) * LANES, sqrt(sqrt(by_a * by_b) * inverse))
+        store_lanes(rows, (3 * c + 2) * LANES, sqrt(sqrt(by_a) * sqrt(by_b) * inverse))
     crossed, trace, square, pair = lanes(0.0), lanes(0.0), lanes(0.0), 0
     for c in range(picture.channels):
         for d in range(c + 1):
@@ -305,6 +308,7 @@ class Loops:
         """First pass: sums of classes, the other pixels' error, their unlikeness and its number."""
         sums, totals = np.zeros((CLASSES * GROUPS, _SUMS)), np.zeros(3)
         self._run(learn)(self._picture, View(sums), View(totals))
+        sums[:, 4] /= _PARTS**2
         sums = np.ascontiguousarray(sums.T).reshape(no_sums().shape)
         return sums, float(totals[0]), float(totals[1]), int(totals[2])
 

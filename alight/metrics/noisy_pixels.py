@@ -151,7 +151,8 @@ def gather(
     noise : ndarray, shape (n,)
         Variance of `rho`.
     """
-    keys = classes.astype(np.int64) * GROUPS + groups
+    # The square of a very bright sample's r is no float32.
+    keys, r = classes.astype(np.int64) * GROUPS + groups, r.astype(np.float64)
     rows = (
         r, r * rho, r * rho_squared, r * floor, r * r, r * np.sqrt(r), r * np.log(ratio), r * noise,
     )  # fmt: skip

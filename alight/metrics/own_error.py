@@ -367,7 +367,8 @@ def _quietly(
     quiet = brightness - np.copysign(np.sqrt(variance), brightness - other)
     np.maximum(quiet, 0.0, out=quiet)
     weights = weights.copy()
-    weights.ravel()[some] = np.sqrt(as_is / (quiet * quiet + epsilon))
+    # Roots first: of dark pictures the product would be infinite.
+    weights.ravel()[some] = np.sqrt(as_is) / np.sqrt(quiet * quiet + epsilon)
     return weights
 
 
@@ -384,7 +385,7 @@ def _spread(
     Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell. The
     matrices W (S_A + S_B) are added to `both`, shape (3, 3, rows, w), on and below the diagonal.
     """
-    root = np.sqrt(np.sqrt(weights_a * weights_b) * known)
+    root = np.sqrt(np.sqrt(weights_a) * np.sqrt(weights_b) * known)
     crossed = pooled = 0.0
     # Channels of a pixel share their paths, so their covariance counts; pixels are independent.
     for c in range(3):
