@@ -121,17 +121,18 @@ def learn_half(picture, sums, known, group, q2, a, b):
     knows = error < PRECISE * maximum(own, q2)
     noisy = known & ~knows
     if any_lane(noisy):
-        gather_pixels(sums, noisy, group, error, own, q2, b.brightness, noise, epsilon)
+        gather_pixels((sums, group, epsilon), noisy, error, own, q2, b)
     plain = inverse_square(maximum(b.brightness, GUARD * a.brightness), noise, epsilon)
     return knows, where(known & knows, error * plain, 0.0)
 
 
 @kernel(strict=True)
-def gather_pixels(sums, noisy, group, error, own, q2, brightness, noise, epsilon):
+def gather_pixels(into, noisy, error, own, q2, b):
     """`noisy_pixels.gather` of a packet."""
+    sums, group, epsilon = into
     key = class_of_pixels(own, q2, error) * GROUPS + group
-    inverse = 1.0 / q2
-    r, rho, floor = error * inverse, brightness * sqrt(inverse), epsilon * inverse
+    inverse, noise = 1.0 / q2, b.scatter / b.samples
+    r, rho, floor = error * inverse, b.brightness * sqrt(inverse), epsilon * inverse
     keys, rows = local_uints(WIDEST), local_floats(_ROWS_OF_SUMS)
     store_lanes(keys, 0, key)
     store_lanes(rows, 0, r)
