@@ -23,7 +23,7 @@ from alight.lab.measure import Rung, render_ladder
 from alight.lab.steering import is_steered, steered_ladder
 from alight.rendering.executors.block_tasks import sent
 from alight.rendering.tiles.tile import Kernels
-from alight.rendering.training.trained import is_to_be_guided
+from alight.rendering.training.guide_training import is_to_be_guided
 from lanewise.machine import processor
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ STUDIES = "tests/lab/test_laws_of_studies.py"
 METRICS = "tests/metrics/test_laws_of_metrics.py"
 PROMISES = "tests/known_error/test_laws_of_promises.py"
 SHARES = "tests/known_error/test_laws_of_shares.py"
-BOUNDS = "tests/known_error/test_largest_sample.py"
+BOUNDS = "tests/known_error/test_sample_bound.py"
 
 LABORATORY = (
     Mutant(

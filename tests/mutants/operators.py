@@ -25,7 +25,7 @@ STATISTICS = (
     "films/[dfmrs]*.py",
     "rendering/schedules/adaptive.py",
     "rendering/depth_cap.py",
-    "rendering/schedules/largest_sample.py",
+    "rendering/schedules/sample_bound.py",
     "rendering/schedules/stopping.py",
     "rendering/schedules/unseen.py",
     "lab/agreement.py",
