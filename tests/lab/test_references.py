@@ -8,9 +8,9 @@ import pytest
 from alight.lab import pictures
 from alight.lab.arms import Arm, compile_arm
 from alight.lab.pictures import run_scene
+from alight.lab.replicates.session import Session
 from alight.lab.report.scenes import sentences
 from alight.lab.results import BIASED, DISPUTED, UNBIASED
-from alight.lab.session import Session
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study
 

@@ -27,7 +27,7 @@ from alight.integrators.contributions import (
     write,
 )
 from alight.integrators.walk import make_settings
-from alight.lab.statistics import holm_adjusted, log_mean, log_ratio
+from alight.lab.statistics.intervals import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials
 from alight.lab.why.shares import (
     BATCHES,

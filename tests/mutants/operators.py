@@ -28,16 +28,16 @@ STATISTICS = (
     "rendering/schedules/sample_bound.py",
     "rendering/schedules/stopping.py",
     "rendering/schedules/unseen.py",
-    "lab/agreement.py",
+    "lab/statistics/agreement.py",
     "lab/arm_plan.py",
-    "lab/blocks.py",
-    "lab/decomposition.py",
-    "lab/equal_time.py",
+    "lab/statistics/block_means.py",
+    "lab/statistics/decomposition.py",
+    "lab/statistics/equal_time.py",
     "lab/evaluate.py",
     "lab/integrals.py",
     "lab/references.py",
-    "lab/statistics.py",
-    "lab/steering.py",
+    "lab/statistics/intervals.py",
+    "lab/replicates/steering.py",
 )
 
 #: What computes on pages and options without being either. Tests of clusters start processes that
