@@ -69,9 +69,9 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "a bound for samples of lights that a tree chooses",
-        "rendering/schedules/largest_sample.py",
+        "rendering/schedules/sample_bound.py",
         (("if by_tree or flat.lights", "if flat.lights"),),
-        "tests/known_error/test_largest_sample.py::test_samples_of_lights_that_a_tree_chooses_have_no_bound",
+        "tests/known_error/test_sample_bound.py::test_samples_of_lights_that_a_tree_chooses_have_no_bound",
     ),
     Mutant(
         "pixels of one bright sample in the classes of all others",
