@@ -29,7 +29,7 @@ import alight
 from alight.cluster.dispatch import Dispatcher, Patience
 from alight.films import Film
 from alight.rendering.executors.block_tasks import BlockTask, Layout, read_blocks, render_blocks
-from alight.rendering.executors.executor import Block
+from alight.rendering.executors.blocks import Block
 from alight.rendering.tiles.tile_kernel import Tile
 
 TILE = BlockTask(0, (Block(Tile(0, 0, 32, 32), np.tile(np.array([0, 64]), (4, 4, 1))),))

@@ -16,7 +16,8 @@ class View:
     Parameters
     ----------
     array : ndarray
-        float32, uint32, int32 or int64, C-contiguous. Kernels index it flat, without bounds.
+        float32, float64, uint32, int32 or int64, C-contiguous. Kernels index it flat, without
+        bounds.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ from alight.cli.words import Quiet, takes_words
 from alight.options.laboratory import StudyOptions
 
 if TYPE_CHECKING:
-    from alight.lab.session import StudyProgress
+    from alight.lab.replicates.session import StudyProgress
 
 
 @takes_words(StudyOptions)

@@ -76,7 +76,7 @@ class CompiledScene:
     small_view : SmallView or None
         Of integrators that want a guide: where its training starts.
     guide : Guide or None
-        What its program asks for, see `alight.rendering.training.trained`.
+        What its program asks for, see `alight.rendering.training.guide_training`.
     surfaces : Surfaces or None
         Of scenes whose layers name what is seen.
     ground : Ground or None

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from alight.accel.layout import TRIANGLES
 from alight.accel.primitives import Many, Moving
+from alight.compiled.instances import instance_in_place
 from alight.compiled.kept import Kept
 from alight.compiled.mesh_tables import (
     NO_FACES,
@@ -146,27 +147,6 @@ def compile_shapes(
     if issues:
         raise SceneError(issues)
     return compiler.finish(uv_sets)
-
-
-class Placed(NamedTuple):
-    """An instance in its place: its maps, its row in the tables, and the box around its mesh."""
-
-    forward: np.ndarray
-    backward: np.ndarray
-    row: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-
-
-def in_place(vertices: np.ndarray, to_world: np.ndarray) -> Placed:
-    """Work out the maps (3, 4) of an instance, and its box in the world, metres."""
-    forward = to_world[:3].astype(np.float32)
-    # The inverse of the rounded matrix: rays and surface points must agree.
-    square = np.vstack([forward.astype(np.float64), [0.0, 0.0, 0.0, 1.0]])
-    backward = np.linalg.inv(square)[:3].astype(np.float32)
-    corners = vertices @ square[:3, :3].T + square[:3, 3]
-    row = np.concatenate([forward.ravel(), backward.ravel()])
-    return Placed(forward, backward, row, corners.min(axis=0), corners.max(axis=0))
 
 
 def _out_of_range(placed: PlacedShape) -> str:
@@ -351,7 +331,7 @@ class _Compiler:
             self.ranges[placed.geometry] = len(self.geometries), place
             self.geometries.append((mesh.vertices, mesh.faces))
         number, place = self.ranges[placed.geometry]
-        found = self.known(in_place, mesh.vertices, placed.to_world)
+        found = self.known(instance_in_place, mesh.vertices, placed.to_world)
         # Kernels turn the normals of object space by the inverse transpose, which keeps the side.
         flags = mesh_flags(mesh, placed.shape.flip_normals) | INSTANCED
         kind = placed.shape.type_name()

@@ -122,8 +122,8 @@ def layer_bits(names: Iterable[str]) -> int:
 
 
 @specialised
-def look(program):
-    """``look(scene, settings, film, path)``: add the layers of a packet of camera rays to a film.
+def add_layers(program):
+    """``add_layers(scene, settings, film, path)``: those of a packet of camera rays, to a film.
 
     film: `LayerFilm`.
     """
@@ -144,7 +144,7 @@ def look(program):
 
 @kernel
 def look_once(scene, settings, film, path):
-    """`look` at the first surfaces."""
+    """`add_layers` of the first surfaces."""
     seen = at_times_of(scene, path.sampler)
     hit = intersect_closest(seen, path.o, path.d, lanes(INFINITY), path.active)
     active = path.active & (hit.t < INFINITY)

@@ -12,7 +12,7 @@ from alight.core.vec import max_component
 from alight.integrators.guided import is_guided, mixed_density
 from alight.integrators.interiors.body_walk import enters_body, lit_side
 from alight.integrators.interiors.enclosing import bodies_beyond, dimmed, left_along
-from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.shadow_rays import transmittance_through_holes
 from alight.integrators.walk import (
     LIGHT_CHOICE,
     LIGHT_POINT,
@@ -65,7 +65,7 @@ def write_add_direct_light(program, light_weight, by_light, listeners):
                 # A hole is the end of an edge, for paths and so for shadow rays too.
                 most = passed + settings.max_depth - depth - 1
                 ray = o, light.wi, end, around
-                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
+                share, left, passed, rays = transmittance_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
                 w = share * light_weight(light, pdf)
             else:

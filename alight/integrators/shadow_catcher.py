@@ -30,7 +30,7 @@ from alight.integrators.aov import add_layer
 from alight.integrators.coverage import write_cover
 from alight.integrators.interiors.enclosing import empty_space
 from alight.integrators.moments import at_times_of
-from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.shadow_rays import transmittance_through_holes
 from alight.integrators.walk import (
     BSDF_DIRECTION,
     LIGHT_CHOICE,
@@ -124,7 +124,7 @@ def _write_kept_away(program):
         if holes:
             most, rays = lanes_u32(0) + UNLIMITED, as_int(0)
             ray = o, wi, end, empty_space()
-            share, _, _, _ = come_through_holes(scene, ray, most, mask, rays)
+            share, _, _, _ = transmittance_through_holes(scene, ray, most, mask, rays)
             return where(mask, 1.0 - share, 0.0)
         return where(is_occluded(scene, o, wi, end, mask) & mask, 1.0, 0.0)
 

@@ -28,7 +28,7 @@ from lanewise.simd import any_lane, lanes, lanes_u32, lanes_vec3, where
 
 
 @specialised
-def come_through(program):
+def shadow_transmittance(program):
     """What of the light comes through to the end of a `Segment`.
 
     ``(scene, segment, bodies, most, lit, rays) -> (Crossing, left, passed, rays)``. The segment's
@@ -42,15 +42,15 @@ def come_through(program):
 
 
 @kernel
-def come_through_holes(scene, ray, most, lit, rays):
-    """`come_through` where there are no media: (part of the light, left, surfaces passed, rays).
+def transmittance_through_holes(scene, ray, most, lit, rays):
+    """`shadow_transmittance` without media: (part of the light, left, surfaces passed, rays).
 
     ray: origin, direction, length in metres and `Bodies`.
     """
     o, d, end, bodies = ray
     none = lanes_u32(0)
     segment = Segment(o, d, end, none, none, Stream(none, none, none))
-    crossing, left, passed, rays = come_through(scene, segment, bodies, most, lit, rays)
+    crossing, left, passed, rays = shadow_transmittance(scene, segment, bodies, most, lit, rays)
     return crossing.passed.x * crossing.boost, left, passed, rays
 
 

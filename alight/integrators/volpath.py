@@ -53,7 +53,7 @@ from alight.integrators.mis_weights import BY_BSDF, BY_LIGHT, MIS, STRATEGIES
 from alight.integrators.options import PathTracing
 from alight.integrators.reach import NO_LISTENERS, write_reach_environment, write_reach_lamp
 from alight.integrators.roulette import play_beside_guide, play_roulette
-from alight.integrators.shadow_rays import come_through
+from alight.integrators.shadow_rays import shadow_transmittance
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -295,7 +295,9 @@ def _write_add_direct_light(chosen_weight, by_light, guided):
             segment = Segment(o, light.wi, end, medium, path.channel, stream)
             around = bodies_beyond(scene, path.bodies, surface, path.d, light.wi)
             around = where(scattered, path.bodies, around)
-            crossing, left, _, rays = come_through(scene, segment, around, UNLIMITED, lit, rays)
+            crossing, left, _, rays = shadow_transmittance(
+                scene, segment, around, UNLIMITED, lit, rays
+            )
             Le = dimmed(light.radiance, left)
             lit = lit & (max_component(crossing.passed) > 0.0)
             w = chosen_weight(path, light, pdf, crossing) * crossing.boost

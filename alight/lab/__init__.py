@@ -1,7 +1,7 @@
 """The laboratory: which technique lowers the noise, by how much, at what cost.
 
-`study` says what is compared, `run` measures it, `results` holds what was found, and
-`alight.study` does all of it.
+`study` says what is compared, `run` measures it (`replicates`) and judges it (`statistics`),
+`results` holds what was found, and `alight.study` does all of it.
 
 Examples
 --------

@@ -18,10 +18,10 @@ import numpy as np
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.formats import loads
 from alight.lab.arms import digest, seed_of
-from alight.lab.measure import compiled_kernels, render_ladder
+from alight.lab.replicates.measure import compiled_kernels, render_ladder
+from alight.lab.replicates.session import Session, StudyProgress
 from alight.lab.results import Curve, CurveResult, TableResult
-from alight.lab.session import Session, StudyProgress
-from alight.lab.statistics import log_slope, positive_interval
+from alight.lab.statistics.intervals import log_slope, positive_interval
 from alight.metrics.estimate import Estimate
 from alight.scene import Scene, flatten
 from lanewise.machine import fingerprint

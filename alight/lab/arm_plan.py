@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from alight.lab.arms import Arm
-from alight.lab.equal_time import Bracket, powers_of_two
 from alight.lab.references import Reference
-from alight.lab.steering import is_biased, is_steered
+from alight.lab.replicates.steering import is_biased, is_steered
+from alight.lab.statistics.equal_time import Bracket, powers_of_two
 from alight.lab.study import SCHEDULE
 
 

@@ -16,8 +16,8 @@ from alight.core.noise_only import noise_only_fields
 from alight.core.registry import default_of
 from alight.core.spec import Integrator, Sampler, Spec
 from alight.formats import builtin_names, load
-from alight.lab.measure import Rung, compiled_kernels, render_ladder
-from alight.lab.steering import is_steered, problem_of, steered_ladder
+from alight.lab.replicates.measure import Rung, compiled_kernels, render_ladder
+from alight.lab.replicates.steering import is_steered, problem_of, steered_ladder
 from alight.lab.study import (
     ACCELERATION,
     NAMED_OPTIONS,

@@ -9,15 +9,21 @@ from itertools import islice
 
 import numpy as np
 
-from alight.lab.agreement import MOST_VOTERS, Vote, vote
 from alight.lab.arm_plan import Plan
 from alight.lab.arms import seed_of
-from alight.lab.blocks import LEVEL, BlockMoments, RawTest, compare_with_reference, judge
-from alight.lab.decomposition import Moments, Parts, decompose, reference_spread
-from alight.lab.equal_time import AtTime, Bracket, compared, product
 from alight.lab.references import Reference, demand_quiet
 from alight.lab.results import UNKNOWN, ArmImages, ArmResult, BiasTest, Point, Speedup
-from alight.lab.statistics import (
+from alight.lab.statistics.agreement import MOST_VOTERS, Vote, vote
+from alight.lab.statistics.block_means import (
+    LEVEL,
+    BlockMoments,
+    RawTest,
+    compare_with_reference,
+    judge,
+)
+from alight.lab.statistics.decomposition import Moments, Parts, decompose, reference_spread
+from alight.lab.statistics.equal_time import AtTime, Bracket, compared, product
+from alight.lab.statistics.intervals import (
     bootstrap_ratio,
     exponential,
     holm_adjusted,

@@ -25,9 +25,9 @@ import numpy as np
 from alight.compiled.program import Program
 from alight.core.spec import Sampler
 from alight.lab.arms import seed_of
+from alight.lab.replicates.session import Session, StudyProgress
 from alight.lab.results import Curve, CurveResult, TableResult
-from alight.lab.session import Session, StudyProgress
-from alight.lab.statistics import fit_slope, log_slope, positive_interval
+from alight.lab.statistics.intervals import fit_slope, log_slope, positive_interval
 from alight.metrics.estimate import Estimate
 from alight.samplers.model import SAMPLERS, SamplerModel
 from alight.samplers.sampling import get_1d, get_2d, sampler_key, sampler_state

@@ -17,7 +17,6 @@ import numpy as np
 from alight.core.registry import registered_versions
 from alight.lab.arm_plan import Plan
 from alight.lab.arms import Arm, compile_arm, digest, load_arms, seed_of
-from alight.lab.equal_time import Bracket, bracket, is_natural
 from alight.lab.evaluate import evaluate_arms, no_noise
 from alight.lab.references import (
     SEEDS,
@@ -29,9 +28,10 @@ from alight.lab.references import (
     reference_arm,
     rendered_reference,
 )
+from alight.lab.replicates.run_blocks import run_blocks
+from alight.lab.replicates.session import Session, StudyProgress
 from alight.lab.results import BIASED, SceneResult
-from alight.lab.run_blocks import run_blocks
-from alight.lab.session import Session, StudyProgress
+from alight.lab.statistics.equal_time import Bracket, bracket, is_natural
 from alight.lab.study import SceneSpec, scene_name
 from alight.metrics.model import METRICS
 

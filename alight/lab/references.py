@@ -18,10 +18,10 @@ import numpy as np
 
 from alight.core.errors import OutputError
 from alight.lab.arms import Arm, digest, seed_of
-from alight.lab.blocks import BlockMoments, block_row, exact_statistics
-from alight.lab.decomposition import Moments
+from alight.lab.replicates.steering import is_biased
 from alight.lab.results import ReferenceInfo
-from alight.lab.steering import is_biased
+from alight.lab.statistics.block_means import BlockMoments, block_row, exact_statistics
+from alight.lab.statistics.decomposition import Moments
 from alight.lab.study import SCHEDULE, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.comparison import PictureStatistics
 from alight.metrics.epsilon import default_epsilon

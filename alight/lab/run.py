@@ -15,10 +15,10 @@ import numpy as np
 import alight
 from alight.core.errors import OptionError, OutputError
 from alight.lab.pictures import run_scene
+from alight.lab.replicates.session import QUICK_REPLICATES, Session, StudyProgress
+from alight.lab.replicates.spread import processor, spread_over
 from alight.lab.result_files import save
 from alight.lab.results import ArmResult, SceneResult, StudyResult, TableResult
-from alight.lab.session import QUICK_REPLICATES, Session, StudyProgress
-from alight.lab.spread import processor, spread_over
 from alight.lab.store import Store
 from alight.lab.study import Study
 from alight.lab.study_file import load_study, ready_names

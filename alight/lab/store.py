@@ -19,7 +19,7 @@ from typing import Any, Self
 import numpy as np
 
 from alight.core.errors import OutputError
-from alight.lab.decomposition import Moments
+from alight.lab.statistics.decomposition import Moments
 
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS facts (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -48,7 +48,7 @@ class Replicate:
     rungs : dict of int to dict of str to float or None
         By spp: seconds, and the error by each metric.
     blocks : ndarray of float64
-        `alight.lab.blocks.block_row` of the deepest picture.
+        `alight.lab.statistics.block_means.block_row` of the deepest picture.
     processor : str
         On which it was timed; empty where a store does not know, or is not asked.
     """

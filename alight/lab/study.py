@@ -30,7 +30,7 @@ NAMED_OPTIONS = {
 #: Options that are not in scene files: the tree over the surfaces.
 ACCELERATION = {"structure": ("auto", "list", "bvh"), "builder": ("sah", "median")}
 
-#: Where samples go (`alight.lab.steering`): not in scene files either.
+#: Where samples go (`alight.lab.replicates.steering`): not in scene files either.
 SCHEDULE = "schedule"
 
 #: Fewest replicates: below, intervals have no meaning worth printing.

@@ -30,7 +30,7 @@ from alight.core.spec import (
     Texture,
 )
 from alight.formats import builtin_names
-from alight.lab.measure import compiled_kernels
+from alight.lab.replicates.measure import compiled_kernels
 from alight.options.loading import scene_of
 from alight.options.plugins import load_plugins
 from alight.options.scene import SceneOptions

@@ -8,7 +8,7 @@ are about the smooth ones, energy about all.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, lru_cache, wraps
+from functools import lru_cache, wraps
 
 import numpy as np
 
@@ -25,39 +25,37 @@ from alight.laws.materials import (
 from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import (
     LARGEST_Z,
+    SIDES,
     SIGNIFICANCE,
     SphereCells,
     chi_square,
     length_error,
+    sphere_cells,
     unit_vectors,
     z_of_mean,
 )
 
-CELLS = SphereCells()
+CELLS = sphere_cells()
 N, STEPS = 60_000, 4096
 
 
-@cache
-def fine_cells() -> SphereCells:
-    """The cells of `CELLS` with 16 times as many points."""
-    return SphereCells(side=128)
-
-
 def refined(law: Callable[..., None]) -> Callable[..., None]:
-    """Judge a law again on a finer grid before it counts as broken: lobes may be narrow."""
+    """Judge a law again on finer grids before it counts as broken: lobes may be narrow."""
 
     @wraps(law)
-    def judged_twice(material: Material, cosine: float) -> None:
-        try:
-            law(material, cosine, CELLS)
-        except BrokenLawError:
-            law(material, cosine, fine_cells())
+    def judged_again(material: Material, cosine: float) -> None:
+        for side in SIDES[:-1]:
+            try:
+                return law(material, cosine, sphere_cells(side))
+            except BrokenLawError:
+                pass
+        return law(material, cosine, sphere_cells(SIDES[-1]))
 
-    return judged_twice
+    return judged_again
 
 
 # Laws look at one material from one side after the other, at the same directions each.
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=len(SIDES))
 def _values(material: Material, cosine: float, cells: SphereCells):
     """(f_cos, pdf) at the points of the cells."""
     return material.evaluate(direction(cosine), cells.points)

@@ -6,7 +6,7 @@ against light sampling: what arrives on a small disk must be the same by both.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,10 +25,11 @@ from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import (
     LARGEST_Z,
     ROUNDING,
+    SIDES,
     SIGNIFICANCE,
-    SphereCells,
     chi_square,
     length_error,
+    sphere_cells,
     z_of_mean,
 )
 from alight.lights.emission.sampling import emission_direction_pdf, sample_emission
@@ -41,7 +42,7 @@ from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, load_lanes, store_lanes
 from lanewise.view import View
 
-#: Rays, and points of receivers; receivers.
+#: Rays, and points of receivers; receivers of a light, half as many of each placed shape.
 N, RECEIVERS = 1 << 16, 6
 
 #: Fewer rays on a receiver do not know their own error.
@@ -94,6 +95,12 @@ def scenes_with(spec: Light) -> list[Scene]:
     return [strategy(described(spec), way) for way in ways] if emits(spec) else []
 
 
+@lru_cache(maxsize=2)
+def emitted_by(spec: Light) -> tuple[tuple[Scene, Rays], ...]:
+    """Each of `scenes_with`, and its rays: all laws of an example look at the same."""
+    return tuple((scene, rays_of(compiled(scene))) for scene in scenes_with(spec))
+
+
 # ---------------------------------------------------------------- power
 
 
@@ -112,8 +119,8 @@ def declared_power(scene: Scene) -> float:
 
 def emitted_flux_is_the_power(spec: Light) -> None:
     """The mean flux of emitted rays is the declared power."""
-    for scene in scenes_with(spec):
-        rays, declared = rays_of(compiled(scene)), declared_power(scene)
+    for scene, rays in emitted_by(spec):
+        declared = declared_power(scene)
         demand(np.isfinite(rays.flux) & (rays.flux >= 0.0), "flux is negative or not finite")
         found = luminance(Vec3(*rays.flux)).astype(float)
         z = z_of_mean(found, declared, ROUNDING * declared)
@@ -125,8 +132,7 @@ def emitted_flux_is_the_power(spec: Light) -> None:
 
 def emitted_directions_follow_their_density(spec: Light) -> None:
     """Emitted directions are unit vectors that follow their density (chi-square)."""
-    for scene in scenes_with(spec):
-        rays = rays_of(compiled(scene))
+    for _, rays in emitted_by(spec):
         lit = rays.pdf_direction > 0.0
         demand(length_error(rays.d[:, lit]) < 2e-6 if lit.any() else True, "d is not unit")
         one = rays.pdf_direction[rays.delta_direction]
@@ -151,23 +157,24 @@ def _directions_follow(rays: Rays, lit: np.ndarray) -> None:
     if not np.array_equal(rays.n, rays.d):
         s, t = frame_from_normal(_vec(rays.n))
         d = np.stack([np.sum(axis * d, axis=0) for axis in (stacked(s, N), stacked(t, N), rays.n)])
-    for cells in (SphereCells(), SphereCells(side=128)):
+    p = total = 0.0
+    for side in SIDES:
+        cells = sphere_cells(side)
         n = cells.points.shape[1]
         up = Vec3(np.zeros(n, np.float32), np.zeros(n, np.float32), np.ones(n, np.float32))
         light, points = np.full(n, rays.light[0]), Vec3(*cells.points)
         density = run(rays.scene, emission_direction_pdf, light, up, points)
         probabilities = cells.integrals(np.broadcast_to(density, n))
         p = chi_square(cells.counts(d, lit), probabilities)
-        if p > SIGNIFICANCE and probabilities.sum() <= 1.0 + 2e-3:
+        total = probabilities.sum()
+        if p > SIGNIFICANCE and total <= 1.0 + 2e-3:
             return
-    total = probabilities.sum()
     raise BrokenLawError(f"directions do not follow their density: p = {p:.2g}, sum {total:.5g}")
 
 
 def densities_of_positions_cover_the_light(spec: Light) -> None:
     """The mean of 1 / pdf_position is the area that rays start on."""
-    for scene in scenes_with(spec):
-        rays = rays_of(compiled(scene))
+    for scene, rays in emitted_by(spec):
         at_points = rays.delta_position
         demand(rays.pdf_position[at_points] == 1.0, "pdf_position must be 1 where there is no area")
         if not at_points.any() and (rays.pdf_position > 0.0).all():
@@ -195,8 +202,10 @@ def _areas_are_covered(rays: Rays, scene: Scene) -> None:
 
 def emitted_light_arrives_as_sampled(spec: Light) -> None:
     """Small disks receive as much by emitted rays as by light sampling."""
-    for scene in scenes_with(spec):
-        same_by_both(compiled(scene), compiled(strategy(scene, "emitter")))
+    found = emitted_by(spec)
+    for _, rays in found:
+        # The first scene is the one for light sampling alone.
+        same_by_both(rays, found[0][1].scene, RECEIVERS)
 
 
 def rays_leave_shapes_as_sampled(spec: Shape) -> None:
@@ -209,36 +218,38 @@ def rays_leave_shapes_as_sampled(spec: Shape) -> None:
         body = Node(shape=spec, transform=placement, light=lamp)
         try:
             scene = compiled(strategy(Scene(nodes={"body": body}, camera=camera), "emitter"))
-            same_by_both(scene, scene)
+            same_by_both(rays_of(scene), scene, RECEIVERS // 2)
         except BrokenLawError as error:
             raise BrokenLawError(f"{name}: {error}") from None
 
 
-def same_by_both(emitting: CompiledScene, sampled: CompiledScene) -> None:
+def same_by_both(rays: Rays, sampled: CompiledScene, receivers: int) -> None:
     """Compare what some receivers get that stand in the way of some rays.
 
     Parameters
     ----------
-    emitting, sampled : CompiledScene
-        A scene whose lights emit, and the same for light sampling alone.
+    rays : Rays
+        Of a scene whose lights emit.
+    sampled : CompiledScene
+        The same for light sampling alone.
+    receivers : int
 
     Raises
     ------
     BrokenLawError
         If it differs.
     """
-    rays = rays_of(emitting)
-    ball = emitting.tables.lights.emission.array
+    ball = rays.scene.tables.lights.emission.array
     middle, radius = ball[MIDDLE:RADIUS].astype(float), float(ball[RADIUS])
     from_infinity = (~rays.delta_position & np.all(rays.n == rays.d, axis=0)).any()
     lit = np.flatnonzero(rays.flux.max(axis=0) > 0.0)
     if not lit.size:
         return
     chosen = np.zeros(N, bool)
-    chosen[lit[np.arange(RECEIVERS) * len(lit) // RECEIVERS]] = True
+    chosen[lit[np.arange(receivers) * len(lit) // receivers]] = True
     free = _free_way(sampled, rays.o, rays.d, chosen)
-    for k in range(RECEIVERS):
-        ray = lit[k * len(lit) // RECEIVERS]
+    for k in range(receivers):
+        ray = lit[k * len(lit) // receivers]
         reach = min(float(free[ray]), 2.0 * radius)
         center = (rays.o[:, ray] + 0.5 * reach * rays.d[:, ray]).astype(float)
         size = 0.25 * reach

@@ -24,7 +24,7 @@ from alight.laws.statistics import LARGEST_Z
 from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.tiles.light_paths import check_light_paths
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.training.trained import is_to_be_guided, trained
+from alight.rendering.training.guide_training import is_to_be_guided, trained
 from alight.scene import flatten
 
 #: Pixels of a side, and samples of each.

@@ -21,7 +21,7 @@ from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.training.trained import is_to_be_guided, trained
+from alight.rendering.training.guide_training import is_to_be_guided, trained
 from alight.scene import flatten
 
 SPP, REPLICATES = 8, 4

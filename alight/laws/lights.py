@@ -8,6 +8,7 @@ they stand on a shape or around the scene.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,13 @@ from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import (
     LARGEST_Z,
     ROUNDING,
+    SIDES,
     SIGNIFICANCE,
     UNIT,
-    SphereCells,
     chi_square,
     demand_mean,
     length_error,
+    sphere_cells,
     turns,
     unit_vectors,
     z_of_mean,
@@ -51,7 +53,7 @@ PLACE, FAR = (0.3, -0.2, 0.5), 1000.0
 N = 4096
 
 #: A grid of directions, and how often it is turned.
-CELLS = SphereCells(side=16)
+CELLS = sphere_cells(16)
 TURNS = 8
 
 
@@ -72,6 +74,7 @@ def described(spec: Light) -> Scene:
     return Scene(nodes=nodes, camera=camera, environment=None if seen else sky)
 
 
+@lru_cache(maxsize=2)
 def scene_of(spec: Light) -> CompiledScene:
     """That scene for light sampling alone: else a map may leave light to BSDF sampling."""
     return compile_scene(flatten(strategy(described(spec), "emitter")), structure="list")
@@ -190,16 +193,18 @@ def directions_follow_their_density(spec: Light) -> None:
     scene, _, wi, pdf = lit
     if pdf.max() > NARROW:
         return
-    for cells in (SphereCells(), SphereCells(side=128)):
+    p = total = 0.0
+    for side in SIDES:
+        cells = sphere_cells(side)
         n = cells.points.shape[1]
         density = run(scene, environment_pdf, Vec3(*_one_point(n)), Vec3(*cells.points))
         density = np.broadcast_to(density, n)
         demand(np.isfinite(density) & (density >= 0.0), "a density is negative or not finite")
         probabilities = cells.integrals(density)
         p = chi_square(cells.counts(wi, pdf > 0.0), probabilities)
-        if p > SIGNIFICANCE and probabilities.sum() <= 1.0 + 2e-3:
+        total = probabilities.sum()
+        if p > SIGNIFICANCE and total <= 1.0 + 2e-3:
             return
-    total = probabilities.sum()
     raise BrokenLawError(f"directions do not follow pdf: p = {p:.2g}, integral {total:.5g}")
 
 

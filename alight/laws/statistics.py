@@ -6,6 +6,7 @@ Sidak's share of it. Seeds are fixed, so a test that passes keeps passing.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from statistics import NormalDist
 
 import numpy as np
@@ -114,6 +115,16 @@ class SphereCells:
         row, column = np.minimum(row, self.rows - 1), np.minimum(column, self.columns - 1)
         cells = np.bincount(row * self.columns + column, minlength=self.rows * self.columns)
         return np.append(cells, np.count_nonzero(~valid))
+
+
+#: Sides of grids of a cell, ever finer, on which densities are judged until one resolves them.
+SIDES = (32, 64, 128)
+
+
+@lru_cache(maxsize=len(SIDES) + 2)
+def sphere_cells(side=32):
+    """`SphereCells` of a side, made once: the finest have two million points."""
+    return SphereCells(side=side)
 
 
 def unit_vectors(n, seed):

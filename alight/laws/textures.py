@@ -171,7 +171,7 @@ def look_up_all(scene, uv, out, n):
 def demand_same_textures(specs: Sequence[Texture]) -> None:
     """Compare the values of several textures by machine code and by the Python text."""
     scene, program = compile_textures(specs)
-    n = 256 * len(specs)
+    n = 64 * len(specs)
     uv = np.random.default_rng(6).uniform(-2.0, 4.0, (2, n)).astype(np.float32)
     demand_same_by_machine(look_up_all, program, scene, uv, 3)
 

@@ -42,9 +42,17 @@ class FewPixels:
                     square += np.float32(2.0) * covariances[c, d] ** 2
             square *= np.float32(n * n / ((n + 2.0) * (n - 1.0)))
             np.maximum(least, square, out=least)
-        self._sum += float(trace.sum(dtype=np.float64))
-        self._squares += float(least.sum(dtype=np.float64))
-        self._fourth_powers += float(np.square(least, dtype=np.float64).sum())
+        self.add_sums(
+            float(trace.sum(dtype=np.float64)),
+            float(least.sum(dtype=np.float64)),
+            float(np.square(least, dtype=np.float64).sum()),
+        )
+
+    def add_sums(self, traces: float, squares: float, fourth_powers: float) -> None:
+        """Add pixels by their sums: of traces, of squares at least, and of these squared."""
+        self._sum += traces
+        self._squares += squares
+        self._fourth_powers += fourth_powers
 
     def at_least(self, spread: float, value: float) -> float:
         """The sum of sigma^4, given its estimate by products and the sum of sigma^2."""

@@ -37,15 +37,22 @@ import numpy as np
 
 from alight.metrics.statistics import student_t_quantile
 
+#: Squared error of one half of the replicates, over the brightness squared, below which a pixel
+#: knows its own brightness: it is not a noisy one.
+PRECISE = 0.02
+
+#: Least brightness of such a pixel by the other half, over that by the first.
+GUARD = 0.5
+
 #: A's own brightness over that of the surroundings, squared, at which one class ends.
-_EDGES = (0.5**2, 1.0, 2.0**2, 8.0**2, 64.0**2)
+EDGES = (0.5**2, 1.0, 2.0**2, 8.0**2, 64.0**2)
 
 #: A's squared error over its brightness squared, above which one replicate of A holds nearly all of
 #: its light (it is 1/2 if one does): such pixels have classes of their own, as few of them are as
 #: bright as they look.
-_ALONE = 0.3
+ALONE = 0.3
 
-CLASSES = 2 * (len(_EDGES) + 1)
+CLASSES = 2 * (len(EDGES) + 1)
 
 #: Groups of cells, each left out once to see how sure the classes are.
 GROUPS = 16
@@ -104,9 +111,9 @@ def class_of(brightness: np.ndarray, around: np.ndarray, error: np.ndarray) -> n
         A's own brightness, that of the surroundings, and A's error, all squared.
     """
     classes = np.zeros(brightness.shape, np.uint8)
-    for edge in _EDGES:
+    for edge in EDGES:
         classes += brightness > np.float32(edge) * around
-    classes += np.uint8(CLASSES // 2) * (error > np.float32(_ALONE) * brightness)
+    classes += np.uint8(CLASSES // 2) * (error > np.float32(ALONE) * brightness)
     return classes
 
 
@@ -144,7 +151,8 @@ def gather(
     noise : ndarray, shape (n,)
         Variance of `rho`.
     """
-    keys = classes.astype(np.int64) * GROUPS + groups
+    # The square of a very bright sample's r is no float32.
+    keys, r = classes.astype(np.int64) * GROUPS + groups, r.astype(np.float64)
     rows = (
         r, r * rho, r * rho_squared, r * floor, r * r, r * np.sqrt(r), r * np.log(ratio), r * noise,
     )  # fmt: skip

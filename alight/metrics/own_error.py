@@ -27,23 +27,19 @@ from alight.metrics import noisy_pixels
 from alight.metrics.epsilon import LITERATURE_EPSILON
 from alight.metrics.error_estimate import ErrorEstimate, Figure
 from alight.metrics.few_pixels import FewPixels
+from alight.metrics.large_pictures import ROWS, Loops
 from alight.metrics.planes import weighted
 from alight.metrics.shared_paths import SharedPaths
 from alight.metrics.surroundings import CELL, by_cells, spread_out
 from alight.metrics.survey import Survey, survey
 from alight.metrics.unmet_light import unmet_light
-
-#: Squared error of one half of the replicates, over the brightness squared, below which a pixel
-#: knows its own brightness.
-_PRECISE = 0.02
-
-#: Least brightness of such a pixel by the other half, over that by the first.
-_GUARD = 0.5
+from lanewise.simd import WIDEST
 
 #: Normal quantile of the confidence that `unmet_light` has, 97.5 %.
 _Z = 1.96
 
-#: Above this number of pixels, one way to halve the replicates is enough.
+#: Above this number of pixels, one way to halve the replicates is enough, and machine code is worth
+#: loading.
 _LARGE = 2**16
 
 
@@ -81,49 +77,24 @@ def relmse_of(seen: Survey, literature: bool = True) -> ErrorEstimate:
 
 def _figure(seen: Survey, epsilon: float) -> Figure:
     """Estimate relMSE with this epsilon."""
-    known, replicates = seen.known, seen.replicates
+    replicates, large = seen.replicates, seen.known.size > _LARGE
     halvings = list(_halvings(replicates))
-    if known.size > _LARGE:
+    if large:
         del halvings[1:]
-    sums, precise, groups = noisy_pixels.no_sums(), 0.0, _groups(*known.shape)
-    # One pixel whose weight the surroundings miss by a factor of e stands for what is not known.
-    unlike, pixels = 1.0, 1.0
-    weights: list[tuple[_Weights, _Weights]] = []
-    for rows, m, k in seen.bands():
-        q2 = seen.surroundings[:, rows] ** 2
-        q2 += np.float32(epsilon)
-        here = _Band(known[rows], q2, groups[rows], np.float32(epsilon))
-        for i, (a, b) in enumerate(_halves(m, k, halvings)):
-            weights.append((_weigh(here, a, b, sums), _weigh(here, b, a, sums)))
-            precise += sum(weight.value for weight in weights[-1])
-            if i == 0:
-                found = _unlike(here, a, b, 1 if known.size <= _LARGE else 4)
-                unlike, pixels = unlike + found[0], pixels + found[1]
+    by_machine = large and replicates >= 4 and not seen.shares_paths
+    by_machine = by_machine and seen.known.shape[1] >= WIDEST
+    sums = Loops(seen, epsilon) if by_machine else _Sums(seen, epsilon, halvings)
+    classes, precise, logs, pixels = sums.learn()
     size = len(halvings[0][0])
-    believed = noisy_pixels.believe(
-        sums, 3 * len(halvings), size, size, replicates, max(unlike / pixels, 0.0)
-    )
+    # One pixel whose weight the surroundings miss by a factor of e stands for what is not known.
+    unlike = max((1.0 + logs) / (1.0 + pixels), 0.0)
+    believed = noisy_pixels.believe(classes, 3 * len(halvings), size, size, replicates, unlike)
     # Both halves of each way are estimates of the same.
     value = (precise + believed.value) / (2 * len(halvings))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
-    spread, few, kept = 0.0, FewPixels(replicates, size), iter(weights)
-    shared = SharedPaths(replicates) if seen.shares_paths and replicates >= 4 else None
-    for rows, m, k in seen.bands():
-        # Worked out twice: kept, the halves of a large picture would take as much memory as a film.
-        both = np.zeros((3, 3, *known[rows].shape), np.float32)
-        for a, b in _halves(m, k, halvings):
-            weigh_a, weigh_b = next(kept)
-            by_a, by_b = weigh_a.full(believed), weigh_b.full(believed)
-            quiet_a = _quietly(by_a, weigh_a.classes, b, np.float32(epsilon))
-            quiet_b = _quietly(by_b, weigh_b.classes, a, np.float32(epsilon))
-            spread += _spread(known[rows], a, b, quiet_a, quiet_b, both)
-            if shared:
-                shared.add(m, np.sqrt(by_a * by_b) * known[rows])
-        few.add(both / np.float32(2 * len(halvings)))
-    spread /= len(halvings)
-    if shared:
-        spread = max(spread, shared.spread / len(halvings) ** 2)
+    few = FewPixels(replicates, size)
+    spread = sums.multiply(believed.weights, few)
     if replicates < 4:
         # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
         spread *= (replicates - 1) / (replicates + 1)
@@ -131,7 +102,7 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = few.freedom(value, spread)
-    relmse = value / (3.0 * float(known.sum()))
+    relmse = value / (3.0 * float(seen.known.sum()))
     unmet = math.log1p(unmet_light(seen, epsilon) / relmse) / _Z
     return Figure(
         relmse,
@@ -141,6 +112,54 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
         lowest,
         believed.rise * share + unmet * unmet,
     )
+
+
+class _Sums:
+    """Both passes over a picture: what noisy pixels say together, and products of errors."""
+
+    def __init__(self, seen: Survey, epsilon: float, halvings: list[tuple[list[int], list[int]]]):
+        self._seen, self._epsilon, self._halvings = seen, np.float32(epsilon), halvings
+        self._weights: list[tuple[_Weights, _Weights]] = []
+
+    def learn(self) -> tuple[np.ndarray, float, float, int]:
+        """Add up noisy pixels by class, the others' error, their unlikeness and its number."""
+        seen, known = self._seen, self._seen.known
+        sums, groups = noisy_pixels.no_sums(), _groups(*known.shape)
+        precise, unlike, pixels = 0.0, 0.0, 0
+        for rows, m, k in seen.bands():
+            q2 = seen.surroundings[:, rows] ** 2
+            q2 += self._epsilon
+            here = _Band(known[rows], q2, groups[rows], self._epsilon)
+            for i, (a, b) in enumerate(_halves(m, k, self._halvings)):
+                self._weights.append((_weigh(here, a, b, sums), _weigh(here, b, a, sums)))
+                precise += sum(weight.value for weight in self._weights[-1])
+                if i == 0:
+                    found = _unlike(here, a, b, 1 if known.size <= _LARGE else ROWS)
+                    unlike, pixels = unlike + found[0], pixels + found[1]
+        return sums, precise, unlike, pixels
+
+    def multiply(self, weights: np.ndarray, few: FewPixels) -> float:
+        """Find the sum of sigma^4 by products of halves, given the weights of classes."""
+        seen, known, spread, kept = self._seen, self._seen.known, 0.0, iter(self._weights)
+        ways = len(self._halvings)
+        shared = None
+        if seen.shares_paths and seen.replicates >= 4:
+            shared = SharedPaths(seen.replicates)
+        for rows, m, k in seen.bands():
+            # Worked out twice: kept, the halves of a large picture would take as much memory as
+            # a film.
+            both = np.zeros((3, 3, *known[rows].shape), np.float32)
+            for a, b in _halves(m, k, self._halvings):
+                weigh_a, weigh_b = next(kept)
+                by_a, by_b = weigh_a.full(weights), weigh_b.full(weights)
+                quiet_a = _quietly(by_a, weigh_a.classes, a, b, self._epsilon)
+                quiet_b = _quietly(by_b, weigh_b.classes, b, a, self._epsilon)
+                spread += _spread(known[rows], a, b, quiet_a, quiet_b, both)
+                if shared:
+                    shared.add(m, np.sqrt(by_a * by_b) * known[rows])
+            few.add(both / np.float32(2 * ways))
+        spread /= ways
+        return max(spread, shared.spread / ways**2) if shared else spread
 
 
 def _groups(height: int, width: int) -> np.ndarray:
@@ -192,9 +211,9 @@ class _Weights(NamedTuple):
     plain: np.ndarray
     classes: np.ndarray
 
-    def full(self, believed: noisy_pixels.Believed) -> np.ndarray:
-        """The weight everywhere."""
-        factors = np.append(believed.weights, 1.0).astype(np.float32)
+    def full(self, weights: np.ndarray) -> np.ndarray:
+        """The weight everywhere, given those of the classes."""
+        factors = np.append(weights, 1.0).astype(np.float32)
         return factors.take(self.classes) * self.plain
 
 
@@ -202,9 +221,9 @@ def _weigh(here: _Band, a: _Half, b: _Half, sums: np.ndarray) -> _Weights:
     """Sort pixels by what half A says; those that are mostly noise are added to `sums`."""
     own = a.brightness * a.brightness
     own += here.epsilon
-    brightness = np.maximum(b.brightness, np.float32(_GUARD) * a.brightness)
+    brightness = np.maximum(b.brightness, np.float32(noisy_pixels.GUARD) * a.brightness)
     plain = _inverse_square(brightness, b.variance, here.epsilon)
-    precise = a.error < np.float32(_PRECISE) * np.maximum(own, here.q2)
+    precise = a.error < np.float32(noisy_pixels.PRECISE) * np.maximum(own, here.q2)
     noisy: np.ndarray = np.flatnonzero(~precise)
     precise &= here.known
     value = float(np.vdot(a.error * plain, precise.astype(np.float32)))
@@ -242,7 +261,9 @@ def _unlike(here: _Band, a: _Half, b: _Half, step: int) -> tuple[float, int]:
     for half in (a, b):
         own = half.brightness[:, ::step] ** 2
         own += here.epsilon
-        both = both & (half.error[:, ::step] < np.float32(_PRECISE) * np.maximum(own, q2))
+        both = both & (
+            half.error[:, ::step] < np.float32(noisy_pixels.PRECISE) * np.maximum(own, q2)
+        )
         own /= q2
         logs.append(np.log(own, out=own))
     return float((logs[0] * logs[1]).sum(where=both)), int(both.sum())
@@ -322,27 +343,32 @@ def _inverse_square(
     return f
 
 
-def _quietly(weights: np.ndarray, classes: np.ndarray, b: _Half, epsilon: np.float32) -> np.ndarray:
+def _quietly(
+    weights: np.ndarray, classes: np.ndarray, a: _Half, b: _Half, epsilon: np.float32
+) -> np.ndarray:
     """Weights for products of both halves' errors, where `b` has told the brightness itself.
 
     In these products B's error counts too, and a bright sample that makes it large makes B's
-    brightness large, and so excuses itself. Without the error that brightness excuses nothing, but
-    is too dark. The truth lies between: the geometric mean of both weights. Where B's error is
-    small beside B's own brightness there is next to nothing to excuse.
+    brightness large, and so excuses itself. Without the replicates that are farther from A's
+    brightness B excuses nothing, but is too dark if they held light. The truth lies between: the
+    geometric mean of both weights. Noise without a skew puts these replicates as often below as
+    above, so that the weights are neither too large nor too small then.
     """
     own = b.brightness * b.brightness
     own += epsilon
-    unsure = b.error >= np.float32(_PRECISE) * own
+    unsure = b.error >= np.float32(noisy_pixels.PRECISE) * own
     unsure &= classes == noisy_pixels.CLASSES
     some: np.ndarray = np.flatnonzero(unsure)
     if not some.size:
         return weights
-    brightness, variance, as_is = (
-        x.ravel().take(some) for x in (b.brightness, b.variance, weights)
+    other, brightness, variance, as_is = (
+        x.ravel().take(some) for x in (a.brightness, b.brightness, b.variance, weights)
     )
-    quiet = np.maximum(brightness - np.sqrt(variance), 0.0)
+    quiet = brightness - np.copysign(np.sqrt(variance), brightness - other)
+    np.maximum(quiet, 0.0, out=quiet)
     weights = weights.copy()
-    weights.ravel()[some] = np.maximum(np.sqrt(as_is / (quiet * quiet + epsilon)), as_is)
+    # Roots first: of dark pictures the product would be infinite.
+    weights.ravel()[some] = np.sqrt(as_is) / np.sqrt(quiet * quiet + epsilon)
     return weights
 
 
@@ -359,7 +385,7 @@ def _spread(
     Rare spikes seldom meet in both halves of a pixel's replicates, but do in those of a cell. The
     matrices W (S_A + S_B) are added to `both`, shape (3, 3, rows, w), on and below the diagonal.
     """
-    root = np.sqrt(np.sqrt(weights_a * weights_b) * known)
+    root = np.sqrt(np.sqrt(weights_a) * np.sqrt(weights_b) * known)
     crossed = pooled = 0.0
     # Channels of a pixel share their paths, so their covariance counts; pixels are independent.
     for c in range(3):

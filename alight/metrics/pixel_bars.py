@@ -118,7 +118,9 @@ def unsure_pixels(seen: Survey) -> np.ndarray:
 def _pooled(seen: Survey, t: np.float32) -> tuple[np.ndarray, ...]:
     """Brightness squared (3, h, w), what `_pool` finds, and unsure pixels (h, w)."""
     scale = seen.surroundings * seen.surroundings
-    scale += max(np.float32(seen.epsilon), np.float32(1e-30))
+    # A picture without light has no epsilon: its noise must still have a square.
+    least = 1e-15 * float(seen.variance.max()) if seen.epsilon == 0.0 else 0.0
+    scale += np.float32(max(seen.epsilon, least, 1e-30))
     pooled, rare, thin = _pool(seen.variance / scale, t)
     unsure = spread_out(thin, *seen.known.shape)
     unsure |= ~seen.known

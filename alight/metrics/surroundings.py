@@ -13,6 +13,9 @@ import numpy as np
 #: Side of a cell.
 CELL = 8
 
+#: Rows that are worked on at a time, whole cells.
+_ROWS = 32
+
 #: Relative error of the brightness that a window may have.
 _ENOUGH = 0.5
 
@@ -40,19 +43,26 @@ def around(mean: np.ndarray, variance: np.ndarray, epsilon: float) -> np.ndarray
     # Pixels that a window needs, the channel that needs most.
     enough = _ENOUGH**2 * (brightness * brightness + epsilon)
     needed = (noise / np.maximum(enough, np.float32(1e-30))).max(axis=0)
-    few, some = spread_out(needed <= 8.0, h, w), spread_out(needed <= pixels[0], h, w)
-    result = spread_out(wide, h, w) - mean
-    result /= np.maximum(spread_out(wide_pixels, h, w) - 1.0, 1.0)
-    if some.any():
-        cell = spread_out(own, h, w) - mean
-        cell /= np.maximum(spread_out(pixels, h, w) - 1.0, 1.0)
-        np.copyto(result, cell, where=some)
-    if few.any():
-        near = neighbours(mean)
-        near -= mean
-        rows, columns = (neighbours(np.ones((1, n), np.float32), 1) for n in (h, w))
-        near /= np.maximum(rows.T * columns - np.float32(1.0), np.float32(1.0))
-        np.copyto(result, near, where=few)
+    few, some = needed <= 8.0, needed <= pixels[0]
+    result = np.empty_like(mean)
+    lines, columns = (neighbours(np.ones((1, n), np.float32), 1) for n in (h, w))
+    # A few rows at a time stay in the processor's cache.
+    for y in range(0, h, _ROWS):
+        rows, cells = slice(y, min(y + _ROWS, h)), slice(y // CELL, (y + _ROWS) // CELL)
+        here, size = mean[:, rows], (min(y + _ROWS, h) - y, w)
+        out = np.subtract(spread_out(wide[:, cells], *size), here, out=result[:, rows])
+        out /= np.maximum(spread_out(wide_pixels[:, cells], *size) - 1.0, 1.0)
+        if some[cells].any():
+            cell = spread_out(own[:, cells], *size) - here
+            cell /= np.maximum(spread_out(pixels[:, cells], *size) - 1.0, 1.0)
+            np.copyto(out, cell, where=spread_out(some[cells], *size))
+        if few[cells].any():
+            above = min(y, 1)
+            near = neighbours(mean[:, y - above : y + _ROWS + 1])[:, above : above + size[0]]
+            near -= here
+            number = lines.T[rows] * columns - np.float32(1.0)
+            near /= np.maximum(number, np.float32(1.0))
+            np.copyto(out, near, where=spread_out(few[cells], *size))
     return np.maximum(result, 0.0, out=result)
 
 

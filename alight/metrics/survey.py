@@ -17,7 +17,7 @@ from alight.metrics.planes import (
 from alight.metrics.surroundings import around
 
 #: Rows that are worked on at a time: whole cells, and few enough to stay in the processor's cache.
-_BAND = 32
+BAND = 32
 
 
 class Survey(NamedTuple):
@@ -90,6 +90,6 @@ def survey(means: np.ndarray, counts: np.ndarray, shares_paths: bool = False) ->
 
 
 def _bands(means: np.ndarray, counts: np.ndarray) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-    for y in range(0, len(means), _BAND):
-        rows = slice(y, min(y + _BAND, len(means)))
+    for y in range(0, len(means), BAND):
+        rows = slice(y, min(y + BAND, len(means)))
         yield rows, *planes_of(means[rows], counts[rows] if len(counts) > 1 else counts)

@@ -54,17 +54,25 @@ def unmet_light(seen: Survey, epsilon: float) -> float:
     step = 4 if seen.known.size > _LARGE else 1
     known = seen.known[::step]
     counts = seen.counts[::step] if len(seen.counts) > 1 else seen.counts
-    n = np.broadcast_to(over_replicates(counts, np.add), known.shape)[known].astype(np.float32)
-    samples = np.broadcast_to(over_replicates(seen.counts, np.add), seen.known.shape)[seen.known]
+    # Where all pixels are known, planes need no copies.
+    some = (lambda plane, mask: plane.ravel()) if seen.known.all() else (lambda p, mask: p[mask])
+    n = some(np.broadcast_to(over_replicates(counts, np.add), known.shape), known)
+    n = n.astype(np.float32)
+    samples = some(
+        np.broadcast_to(over_replicates(seen.counts, np.add), seen.known.shape), seen.known
+    )
     total = 0.0
     for c in range(3):
-        picture, variance = seen.picture[c][seen.known], seen.variance[c][seen.known]
-        few = variance * np.float32(EVENTS) > picture * picture + np.float32(epsilon)
-        if few.any():
+        picture, variance = some(seen.picture[c], seen.known), some(seen.variance[c], seen.known)
+        few = np.flatnonzero(
+            variance * np.float32(EVENTS) > picture * picture + np.float32(epsilon)
+        )
+        if few.size:
             # One event alone makes the error c / n, and K of them its root of K times.
-            size = (samples[few] * np.sqrt(variance[few])).max()
+            size = (samples.take(few) * np.sqrt(variance.take(few))).max()
             budget = EVENTS * float(size) / step
-            total += _filled(np.maximum(seen.picture[c, ::step][known], 0.0), n, epsilon, budget)
+            lit = np.maximum(some(seen.picture[c, ::step], known), 0.0)
+            total += _filled(lit, n, epsilon, budget)
     return total / (3.0 * max(int(known.sum()), 1))
 
 

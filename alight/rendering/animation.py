@@ -39,8 +39,8 @@ from alight.outputs import exr, moving, png
 from alight.outputs.image import FORMATS, check_writable, format_of, read_image, write_image
 from alight.outputs.moving import MovingFile
 from alight.rendering import main_loop
+from alight.rendering.executors.blocks import Crew, Threads
 from alight.rendering.executors.cluster_executor import joined
-from alight.rendering.executors.executor import Crew, Threads
 from alight.rendering.job import Progress
 from alight.rendering.render import prepare
 from alight.rendering.resources import usable_processors

@@ -17,7 +17,7 @@ from alight.core.version import VERSION
 from alight.films import Film, PartialFilm, merging
 from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
-from alight.rendering.executors.executor import Block, Executor
+from alight.rendering.executors.blocks import Block, Executor
 from alight.rendering.layers import AOVS
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedules.passes import Work, ranges_of
@@ -26,7 +26,7 @@ from alight.rendering.seeds import PILOT, seed_of_round
 from alight.rendering.tiles.division import tiles_of
 from alight.rendering.tiles.light_paths import UNSEEN, check_light_paths, parts_of
 from alight.rendering.tiles.tile import make_kernels, render_tile
-from alight.rendering.training.trained import Training
+from alight.rendering.training.guide_training import Training
 from lanewise.application import variable
 from lanewise.kept_files import lost
 from lanewise.machine import PORTABLE, cache_folder, fingerprint, target

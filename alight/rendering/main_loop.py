@@ -21,17 +21,17 @@ from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.rendering.checkpoints.checkpoint import Origin
 from alight.rendering.checkpoints.checkpoint_writer import CheckpointWriter
+from alight.rendering.executors.blocks import Executor
 from alight.rendering.executors.cluster_executor import executor_of
-from alight.rendering.executors.executor import Executor
 from alight.rendering.job import Job, Progress
 from alight.rendering.layers import layers_of
 from alight.rendering.resources import usable_processors
-from alight.rendering.schedules.largest_sample import largest_sample
 from alight.rendering.schedules.passes import Pace
+from alight.rendering.schedules.sample_bound import largest_sample
 from alight.rendering.schedules.schedule import Schedule
 from alight.rendering.schedules.selection import planned_spp, schedule_of, time_limit_of
 from alight.rendering.tiles.light_paths import LEAST_REPLICATES
-from alight.rendering.training.trained import is_to_be_guided, length_of, trained
+from alight.rendering.training.guide_training import is_to_be_guided, length_of, trained
 from alight.scene import FlatScene, Scene
 
 #: Seconds between two reports of progress.

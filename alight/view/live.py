@@ -23,7 +23,7 @@ from alight.core.errors import AlightError
 from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.outputs.picture import as_picture
-from alight.rendering.executors.executor import Threads
+from alight.rendering.executors.blocks import Threads
 from alight.rendering.job import Job
 from alight.rendering.main_loop import REPORT_EVERY, render_passes
 from alight.rendering.schedules.passes import Pace

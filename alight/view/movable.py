@@ -22,7 +22,7 @@ from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.selection import planned_spp, schedule_of, time_limit_of
 from alight.rendering.tiles.tile import make_kernels
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.training.trained import is_to_be_guided, untrained
+from alight.rendering.training.guide_training import is_to_be_guided, untrained
 from alight.scene import FlatScene, Scene
 from alight.scene.flatten import PlacedCamera
 from alight.view.pose import Pose

@@ -6,11 +6,11 @@ import time
 from pathlib import Path
 
 import alight.cluster.worker
-import alight.lab.spread
+import alight.lab.replicates.spread
 import lanewise.machine
 from lanewise.machine import describe_machine, fingerprint, target
 
-_PROCESSOR = alight.lab.spread.processor
+_PROCESSOR = alight.lab.replicates.spread.processor
 
 
 def multiplied(factor, number):
@@ -100,12 +100,12 @@ def find_alight():
 
 def become_another_processor():
     """Let this process be timed on another processor."""
-    lanewise.machine.processor = alight.lab.spread.processor = lambda: "Slow 3000"
+    lanewise.machine.processor = alight.lab.replicates.spread.processor = lambda: "Slow 3000"
 
 
 def become_this_processor():
     """Undo it."""
-    lanewise.machine.processor = alight.lab.spread.processor = _PROCESSOR
+    lanewise.machine.processor = alight.lab.replicates.spread.processor = _PROCESSOR
 
 
 def target_of_process():

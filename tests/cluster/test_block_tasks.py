@@ -18,8 +18,8 @@ from alight.rendering.executors.block_tasks import (
     read_blocks,
     render_blocks,
 )
+from alight.rendering.executors.blocks import Block
 from alight.rendering.executors.cluster_executor import BlockQueue
-from alight.rendering.executors.executor import Block
 from alight.rendering.tiles.division import tiles_of
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile

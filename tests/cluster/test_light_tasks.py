@@ -11,7 +11,7 @@ from alight.films.archive import pack_archive, unpack_archive
 from alight.integrators.walk import make_settings
 from alight.rendering.executors import light_tasks
 from alight.rendering.executors.block_tasks import SharedScene
-from alight.rendering.executors.executor import Block
+from alight.rendering.executors.blocks import Block
 from alight.rendering.executors.light_tasks import LightQueue, read_light_sums, render_light_task
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile

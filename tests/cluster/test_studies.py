@@ -5,9 +5,9 @@ import pytest
 
 from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive
-from alight.lab import run_blocks
+from alight.lab.replicates import run_blocks
+from alight.lab.replicates.spread import Ladder, read_replicate
 from alight.lab.run import run_study
-from alight.lab.spread import Ladder, read_replicate
 from alight.lab.study import ArmSpec, SceneSpec, Study
 from alight.options.cluster import ClusterOptions
 from tests.cluster import jobs

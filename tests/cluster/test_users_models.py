@@ -11,8 +11,8 @@ from alight.core.errors import OptionError
 from alight.core.registration import unregister
 from alight.core.registry import FAMILIES_OF_SCENES, Models
 from alight.formats import loads
+from alight.lab.replicates.spread import Spread
 from alight.lab.run import run_study
-from alight.lab.spread import Spread
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study
 from alight.options.cluster import ClusterOptions
 from alight.scene import flatten

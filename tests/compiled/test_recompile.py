@@ -134,13 +134,13 @@ def test_copies_and_other_processes_begin_with_nothing():
 
 
 def test_only_the_instance_that_moves_is_put_into_its_place_anew(monkeypatch):
-    asked, box = [], shapes.in_place
+    asked, box = [], shapes.instance_in_place
 
     def counted(vertices, to_world):
         asked.append(tuple(to_world[:3, 3]))
         return box(vertices, to_world)
 
-    monkeypatch.setattr(shapes, "in_place", counted)
+    monkeypatch.setattr(shapes, "instance_in_place", counted)
     scene = loads(SCENE)
     compiled(scene)
     assert asked == [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0)]

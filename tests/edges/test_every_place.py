@@ -15,7 +15,7 @@ from alight.formats import dumps, loads
 from alight.formats.gltf.write import write
 from alight.lab.info import facts, tree_lines
 from alight.lights.constant import Constant as Surroundings
-from alight.rendering.schedules.largest_sample import largest_sample
+from alight.rendering.schedules.sample_bound import largest_sample
 from alight.scene import Node, Scene, content_hash, flatten
 from alight.scene.transform import translate
 from alight.shapes.sphere import Sphere

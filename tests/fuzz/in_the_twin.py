@@ -58,15 +58,15 @@ class Outcome(NamedTuple):
     invalid: int = 0
 
 
-def serve(connection: Connection, folder: str) -> None:
-    """Answer each mutation with its `Outcome` until None comes."""
+def serve(connection: Connection) -> None:
+    """Answer each mutation and its folder with an `Outcome` until None comes."""
     import resource
 
     resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
     # NumPy's warnings would appear between a user's lines: they are defects too.
     warnings.simplefilter("error")
-    while (case := connection.recv()) is not None:
-        connection.send(outcome(case, Path(folder)))
+    while (asked := connection.recv()) is not None:
+        connection.send(outcome(*asked))
 
 
 def outcome(case, folder: Path) -> Outcome:

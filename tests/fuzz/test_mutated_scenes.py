@@ -27,42 +27,50 @@ MOST_SECONDS = 10.0
 HANGS_AFTER = 120.0
 
 
-def outcomes(cases: list[Mutation], folder: Path) -> Iterator[Outcome]:
-    """What became of each case, from a process that is replaced when it hangs or dies."""
-    context = multiprocessing.get_context("spawn")
+class Renderer:
+    """A process that renders for all tests here, and is replaced when it hangs or dies."""
+
     process = None
-    try:
-        for case in cases:
-            if process is None:
-                ours, theirs = context.Pipe()
-                process = context.Process(target=serve, args=(theirs, str(folder)), daemon=True)
-                process.start()
-                theirs.close()
-            ours.send(case)
-            try:
-                if ours.poll(HANGS_AFTER):
-                    yield ours.recv()
-                    continue
-                found = f"still running after {HANGS_AFTER:g} s"
-            except EOFError:
-                process.join()
-                found = f"the process died with exit code {process.exitcode}"
-            process.kill()
-            process = None
-            yield Outcome("failed", found, 0.0)
-        if process is not None:
-            ours.send(None)
-            process.join()
-            process = None
-    finally:
-        if process is not None:
-            process.kill()
+
+    def outcome(self, case: Mutation, folder: Path) -> Outcome:
+        """What became of a case."""
+        if self.process is None:
+            context = multiprocessing.get_context("spawn")
+            self.ours, theirs = context.Pipe()
+            self.process = context.Process(target=serve, args=(theirs,), daemon=True)
+            self.process.start()
+            theirs.close()
+        self.ours.send((case, folder))
+        try:
+            if self.ours.poll(HANGS_AFTER):
+                return self.ours.recv()
+            found = f"still running after {HANGS_AFTER:g} s"
+        except EOFError:
+            self.process.join()
+            found = f"the process died with exit code {self.process.exitcode}"
+        self.kill()
+        return Outcome("failed", found, 0.0)
+
+    def kill(self) -> None:
+        """End the process, if there is one."""
+        if self.process is not None:
+            self.process.kill()
+            self.process.join()
+            self.process = None
 
 
-def check(cases: Iterable[Mutation], folder: Path) -> list[Outcome]:
+@pytest.fixture(scope="module")
+def renderer() -> Iterator[Renderer]:
+    """Started by the first case: all tests share the seconds that imports take."""
+    renderer = Renderer()
+    yield renderer
+    renderer.kill()
+
+
+def check(renderer: Renderer, cases: Iterable[Mutation], folder: Path) -> list[Outcome]:
     """Render mutated scenes; all that went wrong is told at once."""
     cases = list(cases)
-    results = list(outcomes(cases, folder))
+    results = [renderer.outcome(case, folder) for case in cases]
     wrong = [
         f"case {i}: {r.kind}, {r.seconds:.1f} s: {r.text[:300]}"
         for i, r in enumerate(results)
@@ -78,105 +86,105 @@ def check(cases: Iterable[Mutation], folder: Path) -> list[Outcome]:
     return results
 
 
-def test_mutated_scenes_render_or_are_refused(tmp_path):
-    check(mutations(seed=3, n=100), tmp_path)
+def test_mutated_scenes_render_or_are_refused(renderer, tmp_path):
+    check(renderer, mutations(seed=3, n=100), tmp_path)
 
 
-def test_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
-    check(extremes(seed=3, n=100), tmp_path)
+def test_scenes_with_extreme_numbers_render_or_are_refused(renderer, tmp_path):
+    check(renderer, extremes(seed=3, n=100), tmp_path)
 
 
-def test_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
-    check(pictures(seed=3, n=100), tmp_path)
+def test_scenes_with_mutated_pictures_render_or_are_refused(renderer, tmp_path):
+    check(renderer, pictures(seed=3, n=100), tmp_path)
 
 
-def test_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
-    check(meshes(seed=3, n=100), tmp_path)
+def test_scenes_with_mutated_meshes_render_or_are_refused(renderer, tmp_path):
+    check(renderer, meshes(seed=3, n=100), tmp_path)
 
 
-def test_mutated_lights_motions_and_media_render_or_are_refused(tmp_path):
+def test_mutated_lights_motions_and_media_render_or_are_refused(renderer, tmp_path):
     write_features(tmp_path)
-    check(features(seed=3, n=50), tmp_path)
+    check(renderer, features(seed=3, n=50), tmp_path)
 
 
-def test_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
+def test_mutated_files_of_mitsuba_render_or_are_refused(renderer, tmp_path):
     copy_files(tmp_path)
-    check(mitsuba_files(seed=3, n=100), tmp_path)
+    check(renderer, mitsuba_files(seed=3, n=100), tmp_path)
 
 
-def test_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
+def test_mutated_gltf_and_obj_files_render_or_are_refused(renderer, tmp_path):
     copy_models(tmp_path)
-    check(models(seed=3, n=50), tmp_path)
+    check(renderer, models(seed=3, n=50), tmp_path)
 
 
 @pytest.mark.proofs
-def test_three_thousand_mutated_gltf_and_obj_files_render_or_are_refused(tmp_path):
+def test_three_thousand_mutated_gltf_and_obj_files_render_or_are_refused(renderer, tmp_path):
     copy_models(tmp_path)
-    check(models(seed=4, n=3000), tmp_path)
+    check(renderer, models(seed=4, n=3000), tmp_path)
 
 
-def test_mutated_files_of_pbrt_render_or_are_refused(tmp_path):
+def test_mutated_files_of_pbrt_render_or_are_refused(renderer, tmp_path):
     write_files(tmp_path)
-    check(pbrt_files(seed=3, n=60), tmp_path)
+    check(renderer, pbrt_files(seed=3, n=60), tmp_path)
 
 
-def test_mutated_files_of_openusd_render_or_are_refused(tmp_path):
+def test_mutated_files_of_openusd_render_or_are_refused(renderer, tmp_path):
     pytest.importorskip("pxr")
     copy_pictures(tmp_path)
-    check(usd_files(seed=3, n=60), tmp_path)
+    check(renderer, usd_files(seed=3, n=60), tmp_path)
 
 
-def test_mutated_documents_of_materialx_render_or_are_refused(tmp_path):
+def test_mutated_documents_of_materialx_render_or_are_refused(renderer, tmp_path):
     copy_picture(tmp_path)
-    check(materialx_files(seed=3, n=40), tmp_path)
+    check(renderer, materialx_files(seed=3, n=40), tmp_path)
 
 
 @pytest.mark.proofs
-def test_six_hundred_mutated_documents_of_materialx_render_or_are_refused(tmp_path):
+def test_six_hundred_mutated_documents_of_materialx_render_or_are_refused(renderer, tmp_path):
     copy_picture(tmp_path)
-    check(materialx_files(seed=4, n=600), tmp_path)
+    check(renderer, materialx_files(seed=4, n=600), tmp_path)
 
 
 @pytest.mark.proofs
-def test_three_hundred_mutated_files_of_openusd_render_or_are_refused(tmp_path):
+def test_three_hundred_mutated_files_of_openusd_render_or_are_refused(renderer, tmp_path):
     pytest.importorskip("pxr")
     copy_pictures(tmp_path)
-    check(usd_files(seed=4, n=300), tmp_path)
+    check(renderer, usd_files(seed=4, n=300), tmp_path)
 
 
 @pytest.mark.proofs
-def test_two_thousand_mutated_scenes_render_or_are_refused(tmp_path):
-    check(mutations(seed=4, n=2000), tmp_path)
+def test_two_thousand_mutated_scenes_render_or_are_refused(renderer, tmp_path):
+    check(renderer, mutations(seed=4, n=2000), tmp_path)
 
 
 @pytest.mark.proofs
-def test_two_thousand_scenes_with_extreme_numbers_render_or_are_refused(tmp_path):
-    check(extremes(seed=4, n=2000), tmp_path)
+def test_two_thousand_scenes_with_extreme_numbers_render_or_are_refused(renderer, tmp_path):
+    check(renderer, extremes(seed=4, n=2000), tmp_path)
 
 
 @pytest.mark.proofs
-def test_two_thousand_scenes_with_mutated_pictures_render_or_are_refused(tmp_path):
-    check(pictures(seed=4, n=2000), tmp_path)
+def test_two_thousand_scenes_with_mutated_pictures_render_or_are_refused(renderer, tmp_path):
+    check(renderer, pictures(seed=4, n=2000), tmp_path)
 
 
 @pytest.mark.proofs
-def test_two_thousand_scenes_with_mutated_meshes_render_or_are_refused(tmp_path):
-    check(meshes(seed=4, n=2000), tmp_path)
+def test_two_thousand_scenes_with_mutated_meshes_render_or_are_refused(renderer, tmp_path):
+    check(renderer, meshes(seed=4, n=2000), tmp_path)
 
 
 @pytest.mark.proofs
-def test_one_thousand_mutated_lights_motions_and_media_render_or_are_refused(tmp_path):
+def test_one_thousand_mutated_lights_motions_and_media_render_or_are_refused(renderer, tmp_path):
     write_features(tmp_path)
-    check(features(seed=4, n=1000), tmp_path)
+    check(renderer, features(seed=4, n=1000), tmp_path)
 
 
 @pytest.mark.proofs
-def test_two_thousand_mutated_files_of_mitsuba_render_or_are_refused(tmp_path):
+def test_two_thousand_mutated_files_of_mitsuba_render_or_are_refused(renderer, tmp_path):
     copy_files(tmp_path)
-    check(mitsuba_files(seed=4, n=2000), tmp_path)
+    check(renderer, mitsuba_files(seed=4, n=2000), tmp_path)
 
 
 @pytest.mark.proofs
-def test_six_hundred_mutated_files_of_pbrt_render_or_are_refused(tmp_path):
+def test_six_hundred_mutated_files_of_pbrt_render_or_are_refused(renderer, tmp_path):
     write_files(tmp_path)
-    check(pbrt_files(seed=4, n=600), tmp_path)
+    check(renderer, pbrt_files(seed=4, n=600), tmp_path)

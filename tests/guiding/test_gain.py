@@ -8,10 +8,10 @@ from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.guiding.gain import EPSILON, Moments, Unguided, add_unguided
 from alight.integrators.walk import make_settings
-from alight.lab.measure import add_tiles, film_for
+from alight.lab.replicates.measure import add_tiles, film_for
 from alight.rendering.tiles.division import tiles_of
 from alight.rendering.tiles.tile import make_kernels
-from alight.rendering.training.trained import trained, untrained
+from alight.rendering.training.guide_training import trained, untrained
 from alight.rendering.training.trainer import Trainer
 from alight.rendering.training.training_plan import LEAST_GAIN, TrainingPlan
 from alight.scene import flatten

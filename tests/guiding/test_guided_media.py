@@ -20,7 +20,7 @@ from alight.integrators.walk import empty_paths, make_settings, vertex_dimension
 from alight.laws.statistics import LARGEST_Z
 from alight.media.sampling import evaluate_phase
 from alight.rendering import main_loop
-from alight.rendering.training import trained as training
+from alight.rendering.training import guide_training as training
 from alight.rendering.training import trainer
 from alight.samplers.state import sampler_state
 from alight.scene import flatten

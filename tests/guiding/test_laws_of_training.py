@@ -15,7 +15,7 @@ from alight.guiding.records import CHOICES, LEAF_SUMS, MOST, UNITS, add_records,
 from alight.guiding.tables import LEAF_ROW, RECORD, Frame, Log
 from alight.integrators.guided import pixel_luminance
 from alight.laws.statistics import LARGEST_Z
-from alight.rendering.training import trained as training
+from alight.rendering.training import guide_training as training
 from alight.rendering.training import trainer
 from alight.samplers.state import SamplerState
 from alight.scene import flatten

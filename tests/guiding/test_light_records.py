@@ -13,7 +13,7 @@ from alight.guiding.parallax import focus_at, from_middle
 from alight.guiding.records import cell_of
 from alight.guiding.tables import LIGHT_RECORD, LightLog
 from alight.integrators.walk import make_settings
-from alight.rendering.training.trained import untrained
+from alight.rendering.training.guide_training import untrained
 from alight.rendering.training.trainer import Trainer
 from alight.scene import flatten
 from lanewise.jit import instantiate

@@ -9,7 +9,7 @@ from alight.guiding.tree import Tree
 from alight.options.render import RenderOptions
 from alight.rendering.schedules.selection import planned_spp
 from alight.rendering.training import training_plan
-from alight.rendering.training.trained import untrained
+from alight.rendering.training.guide_training import untrained
 from alight.rendering.training.trainer import Trainer
 from alight.rendering.training.training_plan import (
     COST,

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from alight.lab.blocks import BlockMoments, block_row, compare_with_reference
-from alight.lab.decomposition import Moments, decompose, reference_spread
 from alight.lab.figures import Figures
-from alight.lab.statistics import bootstrap_ratio, log_mean, log_ratio
+from alight.lab.statistics.block_means import BlockMoments, block_row, compare_with_reference
+from alight.lab.statistics.decomposition import Moments, decompose, reference_spread
+from alight.lab.statistics.intervals import bootstrap_ratio, log_mean, log_ratio
 
 SIZE = 16
 REFERENCE_SEEDS = 16

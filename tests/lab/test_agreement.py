@@ -5,8 +5,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from alight.lab.agreement import counted, vote
 from alight.lab.results import BIASED, DISPUTED, UNBIASED
+from alight.lab.statistics.agreement import counted, vote
 from alight.metrics.comparison import PictureStatistics
 from tests.lab.synthetic import LIGHT_TAILED, NOISES, SyntheticArm, SyntheticReference, truth
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.blocks import (
+from alight.lab.results import BIASED, DIFFERENT, UNBIASED
+from alight.lab.statistics.block_means import (
     LEVEL,
     BlockMoments,
     compare_with_reference,
     exact_statistics,
     judge,
 )
-from alight.lab.results import BIASED, DIFFERENT, UNBIASED
 from tests.lab.synthetic import LIGHT_TAILED, NOISES, SyntheticStudy
 
 

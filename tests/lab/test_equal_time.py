@@ -9,7 +9,7 @@ from scipy import stats
 
 from alight.core.registry import Models
 from alight.lab.arm_plan import Plan
-from alight.lab.equal_time import (
+from alight.lab.statistics.equal_time import (
     AtTime,
     Bracket,
     bracket,
@@ -18,7 +18,7 @@ from alight.lab.equal_time import (
     natural_counts,
     product,
 )
-from alight.lab.statistics import bootstrap_ratio, log_ratio
+from alight.lab.statistics.intervals import bootstrap_ratio, log_ratio
 from alight.samplers.sobol import Sobol
 from alight.samplers.state import sampler_state
 from alight.samplers.stratified import Stratified

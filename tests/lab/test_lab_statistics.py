@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.decomposition import Moments, decompose, reference_spread
 from alight.lab.figures import Figures
-from alight.lab.statistics import (
+from alight.lab.statistics.decomposition import Moments, decompose, reference_spread
+from alight.lab.statistics.intervals import (
     bootstrap_ratio,
     holm_adjusted,
     log_mean,

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.blocks import (
+from alight.lab.figures import Figures
+from alight.lab.results import BIASED, DIFFERENT, UNBIASED
+from alight.lab.statistics.block_means import (
     BlockMoments,
     _skewness,
     block_row,
@@ -16,9 +18,7 @@ from alight.lab.blocks import (
     joined_statistics,
     judge,
 )
-from alight.lab.decomposition import Moments, decompose, reference_spread
-from alight.lab.figures import Figures
-from alight.lab.results import BIASED, DIFFERENT, UNBIASED
+from alight.lab.statistics.decomposition import Moments, decompose, reference_spread
 from alight.metrics import flip, mse, relmse, smape
 
 WIDTH, HEIGHT = 48, 32

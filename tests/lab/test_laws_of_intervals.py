@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from alight.lab.statistics import (
+from alight.lab.statistics.intervals import (
     bootstrap_ratio,
     exponential,
     fit_slope,

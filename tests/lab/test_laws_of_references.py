@@ -9,10 +9,10 @@ import pytest
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.lab import make_reference as making
-from alight.lab.blocks import exact_statistics
 from alight.lab.make_reference import make_reference
 from alight.lab.references import Reference, demand_quiet, external_reference
 from alight.lab.results import ReferenceInfo
+from alight.lab.statistics.block_means import exact_statistics
 from alight.lab.study import ReferenceSpec, Study, StudyError
 from alight.metrics import relmse, relrmse
 from alight.metrics.estimate import Estimate

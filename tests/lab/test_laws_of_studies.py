@@ -8,13 +8,13 @@ import pytest
 from scipy import stats
 
 from alight.lab.arm_plan import Plan
-from alight.lab.blocks import LEVEL, block_row, exact_statistics
-from alight.lab.decomposition import Moments
 from alight.lab.evaluate import Measured, _bias_tests, evaluate_arms
 from alight.lab.references import Reference
 from alight.lab.results import BIASED, DIFFERENT, ReferenceInfo
 from alight.lab.run import relmse_after, relmse_gains, variance_ratios
-from alight.lab.statistics import log_mean, log_ratio
+from alight.lab.statistics.block_means import LEVEL, block_row, exact_statistics
+from alight.lab.statistics.decomposition import Moments
+from alight.lab.statistics.intervals import log_mean, log_ratio
 from alight.lab.store import Example, Replicate
 from alight.lab.study import ArmSpec, SceneSpec, Study, StudyError
 from alight.metrics.estimate import Estimate

@@ -10,9 +10,9 @@ import pytest
 
 from alight.compiled.scene import compile_scene
 from alight.formats import load
-from alight.lab import measure
-from alight.lab.decomposition import reference_spread
 from alight.lab.evaluate import _shared_noise
+from alight.lab.replicates import measure
+from alight.lab.statistics.decomposition import reference_spread
 from alight.scene import content_hash, flatten
 
 

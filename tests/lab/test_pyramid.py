@@ -14,7 +14,7 @@ from alight.formats import loads
 from alight.integrators.bidirectional import Bidirectional
 from alight.integrators.strategies import DEEPEST, LONGER, ROWS, row_of
 from alight.lab.why.pyramid import lengths_of
-from alight.rendering.tracing.strategies import StrategyRecorder
+from alight.rendering.tracing.strategy_recorder import StrategyRecorder
 from alight.scene import flatten
 from tests.rendering.light_scenes import CASES
 

@@ -9,12 +9,12 @@ import pytest
 
 from alight.lab import pictures
 from alight.lab.arms import Arm, compile_arm
-from alight.lab.blocks import block_size
 from alight.lab.pictures import run_scene
 from alight.lab.references import _kept
+from alight.lab.replicates.session import Session
 from alight.lab.report.scenes import sentences
 from alight.lab.results import BIASED, DISPUTED, UNBIASED
-from alight.lab.session import Session
+from alight.lab.statistics.block_means import block_size
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study
 

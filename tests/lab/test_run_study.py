@@ -9,11 +9,11 @@ from alight.core.errors import AlightError
 from alight.formats import load as load_scene
 from alight.lab.integrals import INTEGRANDS, jittered_points, product_error, run_integrals
 from alight.lab.make_reference import make_reference
+from alight.lab.replicates.session import Session
 from alight.lab.result_files import load
 from alight.lab.results import DIFFERENT
 from alight.lab.run import STORE, run_study
-from alight.lab.session import Session
-from alight.lab.statistics import holm_adjusted
+from alight.lab.statistics.intervals import holm_adjusted
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.relmse import relrmse

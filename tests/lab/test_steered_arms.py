@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import alight
-from alight.lab import measure, steering
 from alight.lab.arms import compile_arm, load_arms
 from alight.lab.pictures import run_scene
+from alight.lab.replicates import measure, steering
+from alight.lab.replicates.session import Session
 from alight.lab.run import relmse_gains
-from alight.lab.session import Session
 from alight.lab.store import Store
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.metrics.estimate import Estimate

@@ -12,7 +12,7 @@ from alight.core.registry import FAMILIES_OF_SCENES, modules, type_name_of
 from alight.core.spec import Spec
 from alight.formats import builtin_names
 from alight.lab import warm
-from alight.lab.measure import compiled_kernels
+from alight.lab.replicates.measure import compiled_kernels
 from alight.options.scene import SceneOptions
 from alight.scene import flatten
 from lanewise.application import variable

@@ -27,7 +27,7 @@ from alight.integrators.contributions import (
     write,
 )
 from alight.integrators.walk import make_settings
-from alight.lab.statistics import holm_adjusted, log_mean, log_ratio
+from alight.lab.statistics.intervals import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials
 from alight.lab.why.shares import (
     BATCHES,
@@ -44,7 +44,7 @@ from alight.laws.scene.pictures import small
 from alight.lights.tables import INFO as LIGHT_INFO
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.tracing.contributions import Contributions, Recorder
+from alight.rendering.tracing.contribution_recorder import Contributions, Recorder
 from alight.scene import flatten
 from lanewise.jit import instantiate
 from lanewise.simd import LANES
@@ -124,7 +124,7 @@ def test_the_picture_is_the_ordinary_one(recorded):
 
 def test_a_log_without_room_is_made_larger(recorded, monkeypatch):
     compiled, found, _ = recorded
-    monkeypatch.setattr("alight.rendering.tracing.contributions._ROOM", 0)
+    monkeypatch.setattr("alight.rendering.tracing.contribution_recorder._ROOM", 0)
     again, _ = Recorder(compiled, 1).run(8, 5, 2)
     assert len(again.pixel) == len(found.pixel)
 

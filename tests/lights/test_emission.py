@@ -18,7 +18,7 @@ from alight.core.registration import unregister
 from alight.core.spec import Light
 from alight.core.vec import Vec3, luminance
 from alight.formats import loads
-from alight.laws.emission import N, declared_power, rays_of, same_by_both
+from alight.laws.emission import RECEIVERS, N, declared_power, rays_of, same_by_both
 from alight.lights import point
 from alight.lights.tables import CHOICE
 from alight.scene import flatten
@@ -102,7 +102,7 @@ def test_rays_of_several_lights_carry_the_power_of_all(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_what_arrives_of_several_lights_is_what_light_sampling_finds(name):
-    same_by_both(compiled(SCENES[name], "mis"), compiled(SCENES[name]))
+    same_by_both(rays_of(compiled(SCENES[name], "mis")), compiled(SCENES[name]), RECEIVERS)
 
 
 def test_a_light_tree_leaves_the_rays_as_they_are():
@@ -126,7 +126,7 @@ def test_moving_lights_emit_where_they_are(time):
     scene = compiled(MOVING)
     # One time for all lanes, however many are traced.
     scene = replace(scene, tables=seen(scene, np.full(1, time)))
-    same_by_both(scene, scene)
+    same_by_both(rays_of(scene), scene, RECEIVERS)
 
 
 def test_scenes_whose_lights_emit_nothing_have_no_tables_for_it():

@@ -15,7 +15,7 @@ from alight.lights.tree.bounds import (
     Groups,
     bounds_at,
     bounds_of_row,
-    guess,
+    group_importance,
     pack,
     unpack,
 )
@@ -53,7 +53,7 @@ def test_a_pair_shines_up_to_the_edge_of_each_lamp():
         inside = np.abs(0.03 * rng.normal(size=(n, 1)))
         p = vec((edge * np.cos(inside) + lamps.axis[0] * np.sin(inside)).T)
         bounds = instantiate(bounds_of_row, TREE, compiled=False)(View(group), 0)
-        found = run(guess, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
+        found = run(group_importance, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
         assert np.all(found.plain > 0.0), angle
 
 
@@ -98,7 +98,7 @@ def test_a_far_group_is_the_mean_of_the_lit_cosines_over_the_squared_distance(sp
     # From straight below the point's normal: the cosine there is 1.
     p = vec(far * np.stack([across, zero, np.cos(angle)]))
     n = vec(-np.stack([across, zero, np.cos(angle)]))
-    found = run(guess, group, p, n, np.zeros(len(angle), bool), 0.0)
+    found = run(group_importance, group, p, n, np.zeros(len(angle), bool), 0.0)
     first, last = (np.cos(np.clip(angle + end, 0.0, np.pi)) for end in (-spread, spread))
     part = (np.arange(2000) + 0.5) / 2000
     lit = np.maximum(last + np.multiply.outer(part, first - last), 0.0).mean(axis=0)

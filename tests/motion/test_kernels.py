@@ -11,11 +11,13 @@ from alight.compiled.program import Program
 from alight.core.constants import INFINITY
 from alight.core.motion import general_matrix_at, matrix_at, rigid_matrix_at
 from alight.core.vec import Vec3
+from alight.formats import loads
 from alight.lights.hits import light_pdf, pdf_of_shape
 from alight.lights.sampling import sample_chosen, sample_light
-from alight.scene import keyframes, rotate, scale, translate
+from alight.scene import flatten, keyframes, rotate, scale, translate
 from alight.scene.motion import NOWHERE
 from alight.shapes.hit import Hit, ShapeHit, spawn_origin
+from alight.shapes.model import SHAPES
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, load_lanes, store_lanes, to_float, where
@@ -225,6 +227,16 @@ nodes:
                 faces: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
   still: {shape: {type: sphere, radius: 0.5, center: [-3, -3, 0]}, light: area}
 """
+
+
+@pytest.mark.parametrize("text", [ALL, LAMPS], ids=["all", "lamps"])
+def test_every_shape_that_can_move_is_in_the_scene(text):
+    """A new shape has to be written into it; rectangles move as those of a cube, too."""
+    first = {name: model.EXAMPLES[0] for name, model in SHAPES.items() if not model.is_many}
+    kinds = {name for name, shape in first.items() if shape.finite and not shape.parts()}
+    moving = [one.shape for one in flatten(loads(HEAD + text)).shapes if one.motion is not None]
+    moving += [part for shape in moving for part, _ in shape.parts()]
+    assert {shape.type_name() for shape in moving} >= kinds
 
 
 @pytest.mark.parametrize("choice", ["power", "tree"])

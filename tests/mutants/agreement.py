@@ -78,7 +78,7 @@ AGREEMENT = (
     ),
     Mutant(
         "blocks that agree too well called biased",
-        "lab/blocks.py",
+        "lab/statistics/block_means.py",
         (
             (
                 'found.p_values | {"rms(z)": sum_of_squares_tails(judged)[1]}',

@@ -99,13 +99,13 @@ CLUSTER = (
     ),
     Mutant(
         "answers of another replicate let in",
-        "lab/spread.py",
+        "lab/replicates/spread.py",
         (('if content["task"] != task.digest:', "if False:"),),
         f"{STUDIES}::test_a_malformed_answer_is_refused",
     ),
     Mutant(
         "times of different processors compared",
-        "lab/spread.py",
+        "lab/replicates/spread.py",
         (("if equal_time and others:", "if False:"),),
         f"{STUDIES}::test_times_of_another_processor_are_refused_or_marked",
     ),
@@ -117,7 +117,7 @@ CLUSTER = (
     ),
     Mutant(
         "equal times of another processor taken from the store",
-        "lab/run_blocks.py",
+        "lab/replicates/run_blocks.py",
         (("if others := sorted(found - {own}):", "if others := []:"),),
         f"{STUDIES}::test_times_of_another_processor_in_the_store_are_refused_or_marked",
     ),

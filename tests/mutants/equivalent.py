@@ -94,7 +94,7 @@ EQUIVALENT: dict[str, str] = {
         "integrators/volpath.py _write_add_direct_light.add_direct_light: 2 * path.steps + 1 -> "
         "((2 * path.steps) - (1))"
     ): "other random numbers, odd too and once each: flights along paths have the even ones",
-    "lab/statistics.py log_ratio: 0.5 -> 0.51": (
+    "lab/statistics/intervals.py log_ratio: 0.5 -> 0.51": (
         "without any variance of its own the ratio has infinitely many degrees of freedom"
     ),
     "laws/compiled.py scatter_all: 0.75 -> 0.765": (

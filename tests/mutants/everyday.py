@@ -234,7 +234,7 @@ EVERYDAY = (
     ),
     Mutant(
         "an interval of the bias that is 1 % too wide where the bias is large",
-        "lab/decomposition.py",
+        "lab/statistics/decomposition.py",
         (("+ 4.0 * crossed", "+ 4.08 * crossed"),),
         "tests/lab/test_lab_statistics.py::"
         "test_the_interval_of_a_bias_has_the_variance_of_its_square[0.3]",

@@ -47,7 +47,7 @@ KNOWN_ERROR = (
     Mutant(
         "pixels that share paths counted as independent",
         "metrics/own_error.py",
-        (("spread = max(spread, shared.spread / len(halvings) ** 2)", "pass"),),
+        (("max(spread, shared.spread / ways**2) if shared else spread", "spread"),),
         "tests/metrics/test_shared_paths.py::test_the_interval_holds_where_patterns_are_shared",
     ),
     Mutant(
@@ -69,9 +69,9 @@ KNOWN_ERROR = (
     ),
     Mutant(
         "a bound for samples of lights that a tree chooses",
-        "rendering/schedules/largest_sample.py",
+        "rendering/schedules/sample_bound.py",
         (("if by_tree or flat.lights", "if flat.lights"),),
-        "tests/known_error/test_largest_sample.py::test_samples_of_lights_that_a_tree_chooses_have_no_bound",
+        "tests/known_error/test_sample_bound.py::test_samples_of_lights_that_a_tree_chooses_have_no_bound",
     ),
     Mutant(
         "pixels of one bright sample in the classes of all others",
@@ -82,7 +82,7 @@ KNOWN_ERROR = (
     Mutant(
         "one class for all pixels below twice the brightness around them",
         "metrics/noisy_pixels.py",
-        (("_EDGES = (0.5**2, 1.0, 2.0**2,", "_EDGES = (2.0**2,"),),
+        (("EDGES = (0.5**2, 1.0, 2.0**2,", "EDGES = (2.0**2, 2.0**2, 2.0**2,"),),
         f"{NOISY}::test_the_interval_holds_where_lamps_cover_any_part_of_a_pixel",
     ),
     Mutant(
@@ -188,7 +188,7 @@ KNOWN_ERROR = (
     Mutant(
         "a pixel in its own surroundings",
         "metrics/surroundings.py",
-        (("        near -= mean\n", ""),),
+        (("            near -= here\n", ""),),
         f"{NOISY}::test_a_pixel_has_no_part_in_its_own_surroundings",
     ),
     Mutant(
@@ -307,7 +307,7 @@ KNOWN_ERROR = (
     Mutant(
         "pixels that know themselves weighed 2 % too heavily for their spread",
         "metrics/own_error.py",
-        (("np.append(believed.weights, 1.0)", "np.append(believed.weights, 1.02)"),),
+        (("np.append(weights, 1.0)", "np.append(weights, 1.02)"),),
         "tests/metrics/test_noisy_pixels.py"
         "::test_the_freedom_of_even_pictures_is_their_number_of_pixels",
     ),

@@ -8,18 +8,18 @@ STUDIES = "tests/lab/test_laws_of_studies.py"
 METRICS = "tests/metrics/test_laws_of_metrics.py"
 PROMISES = "tests/known_error/test_laws_of_promises.py"
 SHARES = "tests/known_error/test_laws_of_shares.py"
-BOUNDS = "tests/known_error/test_largest_sample.py"
+BOUNDS = "tests/known_error/test_sample_bound.py"
 
 LABORATORY = (
     Mutant(
         "a paired ratio with twice its degrees of freedom",
-        "lab/statistics.py",
+        "lab/statistics/intervals.py",
         (("dof = len(upper.pseudo) - 1.0", "dof = 2.0 * (len(upper.pseudo) - 1.0)"),),
         f"{INTERVALS}::test_ratios_are_the_t_tests_of_scipy",
     ),
     Mutant(
         "a bootstrap-t with its quantiles swapped",
-        "lab/statistics.py",
+        "lab/statistics/intervals.py",
         (
             (
                 "centre - high * width, centre - low * width",
@@ -30,7 +30,7 @@ LABORATORY = (
     ),
     Mutant(
         "blocks of an exact reference with sixteen times their variance",
-        "lab/blocks.py",
+        "lab/statistics/block_means.py",
         (("sum(axis=(1, 3)) / block**4", "sum(axis=(1, 3)) / (block / 2) ** 4"),),
         f"{BLOCKS}::test_without_a_bias_z_is_standard_normal_and_the_level_is_kept",
     ),
@@ -90,7 +90,7 @@ LABORATORY = (
     ),
     Mutant(
         "the spread of a reference as if its variance were known",
-        "lab/decomposition.py",
+        "lab/statistics/decomposition.py",
         (("1.0 + 1.0 / max(blocks - 1.0, 1.0)", "1.0 + 0.0 / max(blocks - 1.0, 1.0)"),),
         "tests/lab/test_laws_of_blocks.py"
         "::test_the_spread_of_a_reference_is_how_its_noise_moves_every_error",

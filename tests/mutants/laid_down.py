@@ -244,7 +244,7 @@ LAID_DOWN = (
     ),
     Mutant(
         "arms that are no pairs draw the same replicates",
-        "lab/statistics.py",
+        "lab/statistics/intervals.py",
         (("other = index if paired else", "other = index if above.size == below.size else"),),
         "tests/lab/test_lab_statistics.py::test_two_arms_that_are_not_pairs_share_no_noise",
     ),
@@ -342,8 +342,8 @@ LAID_DOWN = (
         "metrics/surroundings.py",
         (
             (
-                "cell /= np.maximum(spread_out(pixels, h, w) - 1.0, 1.0)",
-                "cell /= np.maximum(spread_out(pixels, h, w), 1.0)",
+                "cell /= np.maximum(spread_out(pixels[:, cells], *size) - 1.0, 1.0)",
+                "cell /= np.maximum(spread_out(pixels[:, cells], *size), 1.0)",
             ),
         ),
         "tests/metrics/test_survey.py::"

@@ -19,6 +19,7 @@ from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laid_down import LAID_DOWN
+from tests.mutants.large_pictures import LARGE_PICTURES
 from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
 from tests.mutants.manifolds import MANIFOLDS
@@ -64,6 +65,7 @@ MUTANTS = (
     + TURNED
     + KNOWN_ERROR
     + LABORATORY
+    + LARGE_PICTURES
     + EDGES
     + RANDOM_SCENES
     + AGREEMENT

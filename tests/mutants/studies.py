@@ -12,7 +12,7 @@ MEASURE = "tests/lab/test_measure.py"
 STUDIES = (
     Mutant(
         "the time of the whole program",
-        "lab/measure.py",
+        "lab/replicates/measure.py",
         (
             (
                 "        begin = time.thread_time()\n        parts",
@@ -45,31 +45,31 @@ STUDIES = (
     ),
     Mutant(
         "half of the arms for a majority",
-        "lab/agreement.py",
+        "lab/statistics/agreement.py",
         (("range(len(names) // 2 + 1, len(names) + 1)", "range(len(names) // 2, len(names) + 1)"),),
         f"{VOTE}::test_who_is_named",
     ),
     Mutant(
         "the smallest of many p-values as it is",
-        "lab/agreement.py",
+        "lab/statistics/agreement.py",
         (("min(1.0, len(inside) * inside[0])", "inside[0]"),),
         f"{VOTE}::test_the_p_value_is_that_of_the_majority_that_agrees_best",
     ),
     Mutant(
         "an arm that its own reference contradicts",
-        "lab/agreement.py",
+        "lab/statistics/agreement.py",
         (("if a in members and b in members]", "if a in members and b in members and a != b]"),),
         f"{VOTE}::test_an_arm_that_its_own_reference_contradicts_is_named",
     ),
     Mutant(
         "the nearer number of samples with the lesser weight",
-        "lab/equal_time.py",
+        "lab/statistics/equal_time.py",
         (("(1.0 - w, w), strict=True)", "(w, 1.0 - w), strict=True)"),),
         f"{TIME}::test_a_power_law_is_met_exactly",
     ),
     Mutant(
         "an arm's own time left out",
-        "lab/equal_time.py",
+        "lab/statistics/equal_time.py",
         (
             (
                 'self._between(JUDGED) + self._between("seconds", -self.slope)',
@@ -80,13 +80,13 @@ STUDIES = (
     ),
     Mutant(
         "an error that would not fall with the baseline's time",
-        "lab/equal_time.py",
+        "lab/statistics/equal_time.py",
         (("(clock, own - other.slope)", "(clock, own)"),),
         f"{TIME}::test_a_speed_up_is_the_ratio_of_errors_in_one_time",
     ),
     Mutant(
         "any number of samples taken for a natural one",
-        "lab/equal_time.py",
+        "lab/statistics/equal_time.py",
         (("        whole *= 2\n", "        whole += 1\n"),),
         f"{TIME}::test_natural_counts_are_doubled_blocks_of_every_replicate",
     ),

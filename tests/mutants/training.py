@@ -9,7 +9,7 @@ TREE = "tests/guiding/test_tree.py"
 TRAINING = (
     Mutant(
         "a crop that plans by its own pixels",
-        "rendering/training/trained.py",
+        "rendering/training/guide_training.py",
         (
             (
                 "    width, height = scene.size\n    return Length",

@@ -11,7 +11,7 @@ from alight.integrators.aov import LAYERS, MOST_BOUNCES
 from alight.integrators.walk import make_settings
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.training.trained import with_guide
+from alight.rendering.training.guide_training import with_guide
 from alight.scene import flatten
 from lanewise.view import View
 

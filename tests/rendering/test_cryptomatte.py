@@ -18,7 +18,7 @@ from alight.integrators.walk import make_settings
 from alight.laws.statistics import LARGEST_Z
 from alight.outputs import cryptomatte
 from alight.rendering.executors import block_tasks
-from alight.rendering.executors.executor import Block
+from alight.rendering.executors.blocks import Block
 from alight.rendering.layers import AOVS
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile

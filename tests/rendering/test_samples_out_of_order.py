@@ -4,8 +4,8 @@ import alight
 from alight.options.resume import ResumeOptions
 from alight.rendering import main_loop
 from alight.rendering.checkpoints.resume import prepare_resume
+from alight.rendering.executors.blocks import Threads
 from alight.rendering.executors.cluster_executor import split
-from alight.rendering.executors.executor import Threads
 from tests.rendering.interrupted import assert_same, cancelled_after
 
 SPP = 24

@@ -1,17 +1,24 @@
 """The surface at a hit: points, normals, tangents, parameters, under every kind of transform."""
 
+from itertools import cycle
+
 import numpy as np
 import pytest
 
 from alight.core.constants import INFINITY
 from alight.shapes.derivatives import uv_derivatives
-from alight.shapes.disk import Disk
 from alight.shapes.mesh import Mesh
-from alight.shapes.plane import Plane
-from alight.shapes.rectangle import Rectangle
-from alight.shapes.sphere import Sphere
 from lanewise.jit import instantiate
-from tests.shapes.tracing import PLACEMENTS, PROGRAM, World, bounce, directions, rows, unit
+from tests.shapes.tracing import (
+    PLACEMENTS,
+    PROGRAM,
+    World,
+    bounce,
+    directions,
+    one_of_each,
+    rows,
+    unit,
+)
 
 N = 8000
 QUAD = Mesh(
@@ -21,13 +28,46 @@ QUAD = Mesh(
     uvs=((0, 0), (1, 0), (1, 1), (0, 1)),
     colors=((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1)),
 )
-SHAPES = {
-    "sphere": Sphere(),
-    "plane": Plane(),
-    "rectangle": Rectangle(),
-    "disk": Disk(),
-    "mesh": QUAD,
+SHAPES = one_of_each(mesh=QUAD)
+
+
+def round_one(q):
+    return np.linalg.norm(q, axis=0) - 1.0, unit(q)
+
+
+def around_the_axis(q):
+    return round_one(q * [[1.0], [1.0], [0.0]])
+
+
+def flat(q):
+    return q[2], np.broadcast_to([[0.0], [0.0], [1.0]], q.shape)
+
+
+#: Distance from the surface in its own space, and the outer normal; all others are flat.
+DISTANCES = {"sphere": round_one, "cylinder": around_the_axis}
+
+
+def distance(shape, q):
+    return DISTANCES.get(shape.type_name(), flat)(q)
+
+
+def turn(x, y):
+    """The angle about z, in turns."""
+    return np.arctan2(y, x) / (2 * np.pi) % 1.0
+
+
+#: Texture coordinates, and the direction in which the first grows; all others have `square`.
+COORDINATES = {
+    "sphere": lambda x, y, z: (turn(x, y), np.arccos(np.clip(z, -1, 1)) / np.pi, (-y, x, 0 * z)),
+    "plane": lambda x, y, z: (x, y, (1 + 0 * x, 0 * y, 0 * z)),
+    "disk": lambda x, y, z: (np.hypot(x, y), turn(x, y), (x, y, 0 * z)),
+    "cylinder": lambda x, y, z: (turn(x, y), z, (-y, x, 0 * z)),
 }
+
+
+def square(x, y, z):
+    return 0.5 * x + 0.5, 0.5 * y + 0.5, (1 + 0 * x, 0 * y, 0 * z)
+
 
 each_shape = pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 each_placement = pytest.mark.parametrize("placement", PLACEMENTS.values(), ids=PLACEMENTS)
@@ -36,10 +76,12 @@ each_placement = pytest.mark.parametrize("placement", PLACEMENTS.values(), ids=P
 def look_at(shape, placement, seed=1):
     """Hits from all around a shape: local points, outer normals, directions, and the surface."""
     rng = np.random.default_rng(seed)
-    target = unit(rng.normal(size=(3, N)))
-    if shape.type_name() != "sphere":
-        target = rng.uniform(-0.7, 0.7, (3, N))
-        target[2] = 0.0
+    target = rng.uniform(-0.7, 0.7, (3, N))
+    # Each goes along the gradient to where the surface is.
+    off, gradient = distance(shape, target)
+    target -= off * gradient
+    if shape.type_name() == "cylinder":
+        target[2] = 0.5 + target[2] / 1.5
     d = directions(N, rng)
     o = placement[:3, :3] @ target + placement[:3, 3:] - 3.0 * d
     o, d = o.astype(np.float32), d.astype(np.float32)
@@ -49,10 +91,10 @@ def look_at(shape, placement, seed=1):
     # The true local point: of the ray, not of the surface.
     t = np.where(found, hit.t, 1.0)
     q = inverse[:3, :3] @ (o.astype(float) + t * d.astype(float)) + inverse[:3, 3:]
-    normal = unit(q) if shape.type_name() == "sphere" else np.array([[0.0], [0.0], [1.0]])
+    _, normal = distance(shape, q)
     if shape.flip_normals:
         normal = -normal
-    normal = unit(np.linalg.inv(placement[:3, :3]).T @ np.broadcast_to(normal, q.shape))
+    normal = unit(np.linalg.inv(placement[:3, :3]).T @ normal)
     return SurfaceUnderTest(q[:, found], normal[:, found], select(g, found), found)
 
 
@@ -81,11 +123,8 @@ def test_points_lie_on_the_surface_within_their_error_bound(shape, placement):
     g = seen.surface
     inverse = np.linalg.inv(placement)
     q = inverse[:3, :3] @ g.p + inverse[:3, 3:]
-    if shape.type_name() == "sphere":
-        gradient = inverse[:3, :3].T @ (q / np.linalg.norm(q, axis=0))
-        off = (np.linalg.norm(q, axis=0) - 1.0) / np.linalg.norm(gradient, axis=0)
-    else:
-        off = q[2] / np.linalg.norm(inverse[:3, :3].T @ [0.0, 0.0, 1.0])
+    off, gradient = distance(shape, q)
+    off /= np.linalg.norm(inverse[:3, :3].T @ gradient, axis=0)
     assert np.all(np.abs(off) <= g.error)
     assert np.all(g.error < 2e-5)
     np.testing.assert_allclose(q, seen.q, atol=3e-5)
@@ -109,26 +148,17 @@ def test_shading_frames_are_orthonormal_and_right_handed(shape, placement):
     assert np.all((g.ns * g.ng).sum(0) > 0.0)
 
 
+@each_shape
 @each_placement
-@pytest.mark.parametrize("name", ["sphere", "rectangle", "disk", "mesh"])
-def test_texture_coordinates_and_tangents(name, placement):
-    seen = look_at(SHAPES[name], placement)
+def test_texture_coordinates_and_tangents(shape, placement):
+    seen = look_at(shape, placement)
     g, (x, y, z) = seen.surface, seen.q
-    if name == "sphere":
-        u, v = np.arctan2(y, x) / (2 * np.pi) % 1.0, np.arccos(np.clip(z, -1, 1)) / np.pi
-        tangent = np.stack([-y, x, 0 * z])
-    elif name == "disk":
-        u, v = np.hypot(x, y), np.arctan2(y, x) / (2 * np.pi) % 1.0
-        tangent = np.stack([x, y, 0 * z])
-    else:
-        u, v = 0.5 * x + 0.5, 0.5 * y + 0.5
-        tangent = np.stack([1 + 0 * x, 0 * y, 0 * z])
+    u, v, tangent = COORDINATES.get(shape.type_name(), square)(x, y, z)
     clear = np.hypot(x, y) > 0.05
-    turn = np.abs(g.u - u), np.abs(g.v - v)
-    for error in turn:
+    for error in (np.abs(g.u - u), np.abs(g.v - v)):
         # Angles wrap around.
         assert np.all(np.minimum(error, 1.0 - error)[clear] < 2e-4)
-    tangent = unit(placement[:3, :3] @ tangent)
+    tangent = unit(placement[:3, :3] @ np.stack(tangent))
     # The shading normal may be tilted: compare within its tangent plane.
     tangent = unit(tangent - (tangent * g.ns).sum(0) * g.ns)
     np.testing.assert_allclose(g.s[:, clear], tangent[:, clear], atol=2e-3)
@@ -193,14 +223,12 @@ def test_instances_look_like_copies():
 
 def test_compiled_surfaces_are_those_of_numpy():
     rng = np.random.default_rng(7)
-    world = World(
-        *((shape, place) for shape, place in zip(SHAPES.values(), PLACEMENTS.values(), strict=True))
-    )
+    world = World(*zip(SHAPES.values(), cycle(PLACEMENTS.values())))
     n = 4096
     o, d, leaving = rng.uniform(-3, 3, (3, n)), directions(n, rng), directions(n, rng)
     compiled, plain = (bounce(world, o, d, leaving, compiled=c) for c in (True, False))
     np.testing.assert_array_equal(compiled.found, plain.found)
-    assert {0.0, 1.0, 2.0, 3.0, 4.0} <= set(plain.shape[plain.found])
+    assert set(range(len(SHAPES))) <= set(plain.shape[plain.found])
     for name in ("t", "p", "ng", "ns", "s", "tangent", "u", "v", "error"):
         a, b = (getattr(r, name)[..., plain.found] for r in (compiled, plain))
         np.testing.assert_allclose(a, b, rtol=1e-4, atol=2e-5, err_msg=name)

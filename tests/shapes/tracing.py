@@ -15,14 +15,9 @@ from alight.scene.files import Files
 from alight.scene.flatten import NO_GEOMETRY, PlacedLight, PlacedShape
 from alight.scene.meshes import geometry
 from alight.scene.transform import matrix, rotate, scale, translate
-from alight.shapes.cylinder import intersect as intersect_cylinder
-from alight.shapes.disk import intersect as intersect_disk
 from alight.shapes.hit import INFO, Hit, side_of, spawn_origin
 from alight.shapes.mesh import Mesh
 from alight.shapes.model import SHAPES
-from alight.shapes.plane import intersect as intersect_plane
-from alight.shapes.rectangle import intersect as intersect_rectangle
-from alight.shapes.sphere import intersect as intersect_sphere
 from alight.shapes.surfaces import make_surface
 from alight.shapes.triangle import intersect as intersect_triangle
 from alight.shapes.triangle import rotated, shear_of
@@ -40,18 +35,28 @@ from lanewise.simd import (
 )
 from lanewise.view import View
 
-ANALYTIC = ("sphere", "plane", "rectangle", "disk", "cylinder")
-SPHERE, PLANE, RECTANGLE, DISK, CYLINDER = (SHAPES[kind].number for kind in ANALYTIC)
+#: Shapes of one surface that has a formula.
+FORMULAS = tuple(name for name in SHAPES if SHAPES[name].has_formula and not SHAPES[name].is_many)
+TRACED = (*FORMULAS, "mesh")
+
+
+def one_of_each(**chosen):
+    """A shape of each kind in `TRACED`, by name: the chosen one, or the first example of its file.
+
+    Tests that walk these hold for a new shape, too, or say what they need to know of it.
+    """
+    return {name: chosen.get(name) or SHAPES[name].EXAMPLES[0] for name in TRACED}
+
 
 Scene = namedtuple("Scene", "shapes lights triangles triangle_ids")
 
 #: One program for all worlds, so that the kernels below are compiled once.
 PROGRAM = Program(
     bsdfs=("anisotropic",),
-    shapes=("sphere", "plane", "rectangle", "disk", "mesh", "cylinder"),
+    shapes=TRACED,
     textures=("constant", "checkerboard"),
     lights=("point", "directional", "area", "constant"),
-    light_shapes=("sphere", "rectangle", "disk", "mesh", "cylinder"),
+    light_shapes=tuple(name for name in TRACED if SHAPES[name].sample is not None),
 )
 
 #: Affine maps that keep, stretch, slant and mirror.
@@ -161,6 +166,34 @@ def directions(n, rng):
     return unit(rng.normal(size=(3, n)))
 
 
+def of_kinds(names):
+    """A kernel that runs the formula of a row's kind."""
+    if not names:
+
+        @kernel
+        def nothing(kind, data, k, o, d, t_max):
+            return lanes(0.0), lanes(0.0), lanes(0.0), t_max < 0.0
+
+        return nothing
+    number, intersect, rest = (
+        SHAPES[names[0]].number,
+        SHAPES[names[0]].intersect,
+        of_kinds(names[1:]),
+    )
+
+    @kernel
+    def choose(kind, data, k, o, d, t_max):
+        t, u, v, hit = rest(kind, data, k, o, d, t_max)
+        if kind == number:
+            t, u, v, hit = intersect(data, k, o, d, t_max)
+        return t, u, v, hit
+
+    return choose
+
+
+meet_one = of_kinds(FORMULAS)
+
+
 @kernel(strict=True)
 def nearest(scene, o, d, t_max, only):
     """The nearest hit of rays with all shapes, or with shape number `only`."""
@@ -170,17 +203,7 @@ def nearest(scene, o, d, t_max, only):
     for i in range(info.size // INFO):
         if (only < 0) | (only == i):
             kind, k = as_int(info[INFO * i]), as_int(info[INFO * i + 3])
-            t, u, v, hit = lanes(0.0), lanes(0.0), lanes(0.0), t_best < 0.0
-            if kind == SPHERE:
-                t, u, v, hit = intersect_sphere(data, k, o, d, t_best)
-            if kind == PLANE:
-                t, u, v, hit = intersect_plane(data, k, o, d, t_best)
-            if kind == RECTANGLE:
-                t, u, v, hit = intersect_rectangle(data, k, o, d, t_best)
-            if kind == DISK:
-                t, u, v, hit = intersect_disk(data, k, o, d, t_best)
-            if kind == CYLINDER:
-                t, u, v, hit = intersect_cylinder(data, k, o, d, t_best)
+            t, u, v, hit = meet_one(kind, data, k, o, d, t_best)
             t_best, shape = where(hit, t, t_best), where(hit, lanes_u32(i), shape)
             u_best, v_best = where(hit, u, u_best), where(hit, v, v_best)
             found = where(hit, 1.0, found)

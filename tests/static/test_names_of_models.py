@@ -29,7 +29,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "integrators/interiors/volume_walk.py": {"channel"},
     "lab/arms.py": {"environment"},
     "lab/report/page.py": {"curves"},
-    "lab/steering.py": {"threshold"},
+    "lab/replicates/steering.py": {"threshold"},
     "lab/warm.py": {"environment"},
     "lab/why/shares.py": {"light"},
     "lab/why/trials.py": {"environment"},

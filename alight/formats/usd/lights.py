@@ -27,7 +27,7 @@ from alight.formats.reach import OutOfReachError
 from alight.formats.textures import DARK, multiplied
 from alight.formats.usd.light_controls import say_what_is_unphysical
 from alight.formats.usd.modules import UsdLux
-from alight.formats.usd.stage import Stage
+from alight.formats.usd.stage import Stage, meters_per_unit
 from alight.formats.usd.textures import picture_of
 from alight.meshes.polygons import Triangles
 
@@ -91,11 +91,10 @@ def glow_of(stage: Stage, prim: Any, own: Any, triangles: Triangles, world: np.n
     """
     if not prim.HasAPI(UsdLux.MeshLightAPI):
         return own
-    radiance = _radiance(stage, prim)
-    if _is_normalised(stage, prim):
-        corners = (triangles.vertices.astype(np.float64) @ world[:3, :3].T)[triangles.faces]
-        sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        radiance = radiance / max(0.5 * float(np.linalg.norm(sides, axis=1).sum()), 1e-30)
+    corners = (triangles.vertices.astype(np.float64) @ world[:3, :3].T)[triangles.faces]
+    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * float(np.linalg.norm(sides, axis=1).sum())
+    radiance = _radiance(stage, prim) * _normalisation(stage, prim, area)
     _say_shaping(stage, prim)
     say_what_is_unphysical(stage, prim)
     if own is None:
@@ -131,6 +130,17 @@ def _is_normalised(stage: Stage, prim: Any) -> bool:
     return bool(stage.value(UsdLux.LightAPI(prim).GetNormalizeAttr(), False))
 
 
+def _normalisation(stage: Stage, prim: Any, area: float) -> float:
+    """What the radiance of a light of some area, m^2, is multiplied by.
+
+    Normalised lights are divided by their area "in world space", whose unit is that of the stage:
+    in one of centimetres a square metre counts as 10 000, as in OpenUSD's own renderer.
+    """
+    if not _is_normalised(stage, prim):
+        return 1.0
+    return (meters_per_unit(stage) or 1.0) ** 2 / max(area, 1e-30)
+
+
 def _scale_of(world: np.ndarray) -> np.ndarray:
     return np.linalg.norm(world[:3, :3], axis=0)
 
@@ -138,9 +148,7 @@ def _scale_of(world: np.ndarray) -> np.ndarray:
 def _area_light(
     stage: Stage, prim: Any, shape: Data, steps: list[Data], area: float, world: np.ndarray
 ) -> Placed:
-    radiance = _radiance(stage, prim)
-    if _is_normalised(stage, prim):
-        radiance = radiance / max(area, 1e-30)
+    radiance = _radiance(stage, prim) * _normalisation(stage, prim, area)
     _say_shaping(stage, prim)
     node = {
         "shape": shape,
@@ -175,7 +183,7 @@ def _sphere(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
         placed = _area_light(stage, prim, {"type": "sphere", "radius": radius}, [], area, world)
         return replace(placed, radius=radius)
     # Intensity of a sphere seen from far away: radiance times its disk, a quarter of its area.
-    intensity = _radiance(stage, prim) * 0.25 * (1.0 if _is_normalised(stage, prim) else area)
+    intensity = _radiance(stage, prim) * (0.25 * area * _normalisation(stage, prim, area))
     if cone >= 90.0:
         _say_shaping(stage, prim)
         return Placed({"light": point(intensity.tolist())})

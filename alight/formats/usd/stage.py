@@ -326,16 +326,23 @@ def _opened(path: str) -> Any:
     return layer
 
 
+def meters_per_unit(opened: Stage) -> float | None:
+    """Unit of a stage in metres; None where what it says is none."""
+    meters = _metadata(opened.stage, "metersPerUnit", 0.01)
+    valid = isinstance(meters, int | float) and 0.0 < meters <= LARGEST_UNIT
+    return float(meters) if valid else None
+
+
 def to_world(opened: Stage) -> list[dict[str, Any]]:
     """Steps from a stage's space to ours: metres, +y up."""
     steps: list[dict[str, Any]] = []
-    stage = opened.stage
-    meters = _metadata(stage, "metersPerUnit", 0.01)
-    if not isinstance(meters, int | float) or not 0.0 < meters <= LARGEST_UNIT:
-        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {show_value(meters)}"
+    meters = meters_per_unit(opened)
+    if meters is None:
+        found = _metadata(opened.stage, "metersPerUnit", 0.01)
+        text = f"must be > 0 and at most {LARGEST_UNIT:g}, got {show_value(found)}"
         opened.report.problem(opened.name, "metersPerUnit", text)
         meters = 1.0
-    if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
+    if UsdGeom.GetStageUpAxis(opened.stage) == UsdGeom.Tokens.z:
         steps.append({"rotate": {"axis": "x", "angle": -90}})
     if meters != 1.0:
         steps.append({"scale": meters})

@@ -34,7 +34,7 @@ from alight.integrators.interiors.enclosing import (
     left_between,
 )
 from alight.integrators.roulette import play_roulette
-from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.shadow_rays import transmittance_through_holes
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -184,7 +184,7 @@ def write_add_direct_light(program, tell: Any):
                 # A hole is the end of an edge, for paths and so for shadow rays too.
                 most = passed + settings.max_depth - v.depth - 1
                 ray = o, light.wi, end, around
-                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
+                share, left, passed, rays = transmittance_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
             else:
                 rays += count_lanes(lit)
@@ -317,7 +317,7 @@ def write_join(program, tell: Any = None):
             if holes:
                 most = passed + settings.max_depth - edges
                 ray = o, w, end, around
-                share, left, passed, rays = come_through_holes(scene, ray, most, lit, rays)
+                share, left, passed, rays = transmittance_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
             else:
                 rays += count_lanes(lit)

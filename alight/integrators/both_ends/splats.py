@@ -9,7 +9,7 @@ from alight.bsdfs.switch import has_null
 from alight.core.vec import absolute_vec3, max_component
 from alight.filters.splatting import choose_pixel
 from alight.integrators.interiors.enclosing import dimmed, left_along
-from alight.integrators.shadow_rays import come_through_holes
+from alight.integrators.shadow_rays import transmittance_through_holes
 from alight.integrators.walk import count_lanes, vertex_dimension
 from alight.samplers.sampling import get_2d
 from lanewise.jit import kernel
@@ -45,7 +45,7 @@ def write_show(program):
             if holes:
                 most = lanes_u32(0) + settings.max_depth - depth - 1
                 ray = o, c.w, end, bodies
-                share, left, _, rays = come_through_holes(scene, ray, most, lit, rays)
+                share, left, _, rays = transmittance_through_holes(scene, ray, most, lit, rays)
                 lit = lit & (share > 0.0)
                 value = dimmed(value * share, left)
             else:

@@ -23,7 +23,7 @@ from alight.options.laboratory import GuideOptions
 from alight.options.loading import scene_of
 from alight.outputs import html
 from alight.rendering.resources import usable_processors
-from alight.rendering.training.trained import Training, trained
+from alight.rendering.training.guide_training import Training, trained
 from alight.scene import Scene, flatten
 
 

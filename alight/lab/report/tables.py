@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from alight.lab.blocks import LEVEL
 from alight.lab.report.numbers import UNKNOWN, Column, number, p_value
 from alight.lab.report.style import Look
 from alight.lab.report.whiskers import Whiskers
 from alight.lab.results import BIASED, DIFFERENT, DISPUTED, ArmResult, Point, SceneResult
+from alight.lab.statistics.block_means import LEVEL
 from alight.metrics import JUDGED, Estimate
 from alight.metrics.model import METRICS
 

@@ -30,7 +30,7 @@ from alight.lab.why.shares import (
 from alight.laws.scene.pictures import small
 from alight.options.laboratory import WhyOptions
 from alight.rendering.resources import usable_processors
-from alight.rendering.tracing.strategies import StrategyRecorder, Told
+from alight.rendering.tracing.strategy_recorder import StrategyRecorder, Told
 from alight.scene import Scene, flatten
 
 

@@ -33,7 +33,7 @@ from alight.laws.scene.check import material_names
 from alight.laws.scene.pictures import small
 from alight.options.laboratory import WhyOptions
 from alight.rendering.resources import usable_processors
-from alight.rendering.tracing.contributions import Contributions, Recorder
+from alight.rendering.tracing.contribution_recorder import Contributions, Recorder
 from alight.scene import Scene, flatten
 from alight.scene.flatten import FlatScene
 from alight.shapes.hit import INFO as SHAPE_INFO

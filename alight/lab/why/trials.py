@@ -4,7 +4,7 @@ Every choice that the scene's integrator and its environment have is tried by it
 scene's own sampler: the variance of a picture at equal samples, the processor time of its samples,
 and the efficiency, 1 / (variance x time), over that of the scene as it is. Batches of replicates
 are independent, so the jackknife over them gives an interval of the ratio
-(`alight.lab.statistics`).
+(`alight.lab.statistics.intervals`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from alight.core.noise_only import noise_only_fields
 from alight.core.spec import Spec
 from alight.integrators.caustics.chain_types import has_chains
 from alight.integrators.contributions import BY_LIGHT
-from alight.lab.statistics import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
+from alight.lab.statistics.intervals import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
 from alight.lights.sampling import has_delta_lights

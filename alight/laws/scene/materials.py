@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cache
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from alight.laws import bsdfs
 from alight.laws.materials import Material, direction
 from alight.laws.report import judged
 from alight.laws.scene.findings import Finding
-from alight.laws.statistics import SphereCells, chi_square, z_of_mean
+from alight.laws.statistics import SphereCells, chi_square, sphere_cells, z_of_mean
 from alight.textures.fetch import is_textured
 
 #: Directions of the viewer, as cosines; the last one is for materials with a back.
@@ -107,7 +106,7 @@ def sampling_findings(
     smooth = (pdf > 0.0) & ((flags & DELTA) == 0)
     density, mean, total = _judge(material, wo, wi, weight, smooth, bsdfs.CELLS)
     if min(density, mean) < _DOUBTFUL:
-        density, mean, total = _judge(material, wo, wi, weight, smooth, bsdfs.fine_cells())
+        density, mean, total = _judge(material, wo, wi, weight, smooth, sphere_cells(128))
         if abs(_integral(material, wo) - total) > _RESOLVED:
             detail = "a lobe is too narrow for the grid of directions"
             yield Finding(part, f"samples follow their density, cosine {cosine:g}", detail=detail)
@@ -125,15 +124,11 @@ def sampling_findings(
     yield Finding(part, f"mean weight is the integral of the value, cosine {cosine:g}", p=mean)
 
 
-@cache
-def _other_cells() -> SphereCells:
-    return SphereCells(side=90)
-
-
 def _integral(material: Material, wo: np.ndarray) -> float:
     """Of the density, over a grid that has no point in common with the others."""
-    _, density = material.evaluate(wo, _other_cells().points)
-    return float(_other_cells().integrals(density).sum())
+    cells = sphere_cells(90)
+    _, density = material.evaluate(wo, cells.points)
+    return float(cells.integrals(density).sum())
 
 
 def _judge(

@@ -22,7 +22,7 @@ from alight.laws.statistics import chi_square_tail, uniform_p_value
 from alight.rendering.tiles.tile import Scratch
 from alight.rendering.tiles.tile_kernel import Tile
 from alight.rendering.tiles.tile_loop import render_tile_kernel
-from alight.rendering.tracing.contributions import recorded_tables, recording_program
+from alight.rendering.tracing.contribution_recorder import recorded_tables, recording_program
 from alight.samplers.sampling import get_1d, get_2d, sampler_state
 from lanewise.jit import instantiate
 from lanewise.simd import LANES

@@ -171,7 +171,7 @@ NEVER = 3e38
 
 #: plain, importance: what a group may send, without and with the cosine at the point; apart: mask,
 #: only intensity counts below it.
-Guess = namedtuple("Guess", "plain importance apart")
+GroupImportance = namedtuple("GroupImportance", "plain importance apart")
 
 
 @kernel
@@ -218,7 +218,7 @@ def bounds_of_row(cdf, k):
 
 
 @kernel
-def guess(group, p, n, everywhere, behind):
+def group_importance(group, p, n, everywhere, behind):
     """What a group may send to a point.
 
     Parameters
@@ -233,7 +233,7 @@ def guess(group, p, n, everywhere, behind):
 
     Returns
     -------
-    Guess
+    GroupImportance
     """
     to_center = group.center - p
     far = maximum(dot(to_center, to_center), 1e-30)
@@ -260,4 +260,4 @@ def guess(group, p, n, everywhere, behind):
     # At the lit point likewise.
     facing = where(everywhere, 1.0, dot(n, to_center) * inverse + sine)
     cosine = where(facing > -_GRAZING, maximum(minimum(facing, 1.0), _LEAST), 0.0)
-    return Guess(plain, plain * maximum(cosine, behind), far > group.far)
+    return GroupImportance(plain, plain * maximum(cosine, behind), far > group.far)

@@ -33,7 +33,7 @@ from alight.core.rng import unit_float
 from alight.core.spec import Bsdf
 from alight.core.vec import dot, row_vec3
 from alight.lights.tables import INFO
-from alight.lights.tree.bounds import ROW, WORDS, bounds_at, bounds_of_row, guess
+from alight.lights.tree.bounds import ROW, WORDS, bounds_at, bounds_of_row, group_importance
 from alight.shapes.hit import BENT
 from lanewise.jit import kernel, specialised
 from lanewise.simd import (
@@ -188,7 +188,7 @@ def choose_leaf(program):
             total, plain_total, apart = lanes(0.0), lanes(0.0), lanes_mask(False)
             top, i = as_int(cdf[START]), 0
             while i < TOP:
-                a = guess(bounds_of_row(cdf, top), p, n, everywhere, behind)
+                a = group_importance(bounds_of_row(cdf, top), p, n, everywhere, behind)
                 before = total
                 total, plain_total = total + a.importance, plain_total + a.plain
                 # The next one takes the place of those before with its share of the sum, where u is
@@ -218,8 +218,8 @@ def choose_leaf(program):
                 # Of no more use in lanes where it is 0 already.
                 u = where(spent, more_digits(u, extra, pmf), u)
                 extra = where(spent, 0.0, extra)
-            a = guess(bounds_at(cdf, k), p, n, everywhere, behind)
-            b = guess(bounds_at(cdf, k + CHILD), p, n, everywhere, behind)
+            a = group_importance(bounds_at(cdf, k), p, n, everywhere, behind)
+            b = group_importance(bounds_at(cdf, k + CHILD), p, n, everywhere, behind)
             total, plain_total = a.importance + b.importance, a.plain + b.plain
             alive = total > 0.0
             share = where(alive, a.importance / where(alive, total, 1.0), 0.0)
@@ -292,7 +292,7 @@ def plain_probability(scene, index, prim, p, active):
         total, apart = lanes(0.0), lanes_mask(False)
         top, i = as_int(cdf[START]), lanes_u32(0)
         while top < first_node(cdf):
-            a = guess(bounds_of_row(cdf, top), p, none, everywhere, 0.0)
+            a = group_importance(bounds_of_row(cdf, top), p, none, everywhere, 0.0)
             total, mine = total + a.plain, (way & (TOP - 1)) == i
             plain, apart = where(walking & mine, a.plain, plain), where(mine, a.apart, apart)
             onward = where(mine, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
@@ -305,8 +305,8 @@ def plain_probability(scene, index, prim, p, active):
         coasting = coasting | (walking & apart)
         walking = walking & ~apart
     while any_lane(walking):
-        a = guess(bounds_at(cdf, k), p, none, everywhere, 0.0)
-        b = guess(bounds_at(cdf, k + CHILD), p, none, everywhere, 0.0)
+        a = group_importance(bounds_at(cdf, k), p, none, everywhere, 0.0)
+        b = group_importance(bounds_at(cdf, k + CHILD), p, none, everywhere, 0.0)
         second = (way & 1) != 0
         total = a.plain + b.plain
         share = where(second, b.plain, a.plain) / where(total > 0.0, total, 1.0)

@@ -19,8 +19,8 @@ from alight.options.plugins import load_plugins
 from alight.options.resume import ResumeOptions
 from alight.rendering.checkpoints.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoints.checkpoint_writer import CheckpointWriter
+from alight.rendering.executors.blocks import Executor
 from alight.rendering.executors.cluster_executor import executor_of
-from alight.rendering.executors.executor import Executor
 from alight.rendering.job import TABLES, Job
 from alight.rendering.main_loop import Clock, make_job, run
 from alight.rendering.schedules.selection import promise_of, restored_schedule

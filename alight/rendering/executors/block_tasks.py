@@ -21,7 +21,7 @@ from alight.films.archive import Archive, pack_archive, unpack_archive
 from alight.films.coverage import SurfaceSums, pack_sums, unpack_sums
 from alight.films.fixed_point import HIGH_SCALE, LOW_MASK, MAX_VALUE, carry
 from alight.integrators.walk import Settings, sent_integrator
-from alight.rendering.executors.executor import Block
+from alight.rendering.executors.blocks import Block
 from alight.rendering.tiles.tile import Kernels, Scratch, render_tile
 
 #: Units of limb 0 that a sample adds at most, with its carry.

@@ -25,7 +25,7 @@ from alight.rendering.executors.block_tasks import (
     samples_in,
     sent,
 )
-from alight.rendering.executors.executor import Add, Block, Executor, Threads
+from alight.rendering.executors.blocks import Add, Block, Executor, Threads
 from alight.rendering.executors.light_tasks import (
     LightQueue,
     LightTask,

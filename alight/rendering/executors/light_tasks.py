@@ -34,7 +34,7 @@ from alight.rendering.executors.block_tasks import (
     sums_of,
     tallies_of,
 )
-from alight.rendering.executors.executor import Add, Block
+from alight.rendering.executors.blocks import Add, Block
 from alight.rendering.tiles.tile import Scratch
 from alight.rendering.tiles.tile_kernel import INVALID, RAYS, SATURATED, Tile
 from lanewise.view import View

@@ -80,7 +80,7 @@ def unseen_error(
     error : float
         For `Unseen.doubtful`.
     largest : float, optional
-        No sample can be larger (`alight.rendering.schedules.largest_sample`).
+        No sample can be larger (`alight.rendering.schedules.sample_bound`).
     by_chance : bool, default False
         Whether no path is led to a light. A lamp that no sample has met is then in no contribution
         either, so that the indicator says nothing.

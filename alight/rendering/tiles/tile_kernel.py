@@ -13,7 +13,7 @@ from alight.films.fixed_point import put_limbs
 from alight.films.sample_ranges import CELL_SIZE
 from alight.filters.importance import sample_filter
 from alight.guiding.records import record_ends
-from alight.integrators.aov import LayerFilm, look
+from alight.integrators.aov import LayerFilm, add_layers
 from alight.integrators.coverage import weigh
 from alight.integrators.guided import is_guided
 from alight.integrators.moments import at_times_of
@@ -232,7 +232,7 @@ def render_layers(scene, settings, tile, ranges, wanted, sums):
     while cursor.cell < cells:
         cursor, rays = camera_rays(scene, settings, tile, ranges, cursor)
         path = begin_paths(rays.new, rays.o, rays.d, rays.weight, rays.sampler, no_paths())
-        look(scene, settings, film, path)
+        add_layers(scene, settings, film, path)
 
 
 @kernel

@@ -12,7 +12,7 @@ from alight.compiled.scene import CompiledScene, compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.errors import OptionError
 from alight.films import PartialFilm
-from alight.integrators.shadow_rays import come_through
+from alight.integrators.shadow_rays import shadow_transmittance
 from alight.integrators.walk import make_settings, step
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.misses import environment_pdf, environment_radiance
@@ -29,7 +29,7 @@ MOST_TRIANGLES = 30_000_000
 
 WATCHED = {
     "add_finished": add_finished,
-    "come_through": come_through,
+    "shadow_transmittance": shadow_transmittance,
     "emitted": emitted,
     "environment_pdf": environment_pdf,
     "environment_radiance": environment_radiance,

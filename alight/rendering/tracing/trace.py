@@ -141,7 +141,7 @@ def _light(event: Event) -> LightSample | None:
     bsdf, phase, shadow, crossing, weight = (
         by_name.get(name)
         for name in (
-            "evaluate_bsdf", "evaluate_phase", "is_occluded", "come_through", "light_weight"
+            "evaluate_bsdf", "evaluate_phase", "is_occluded", "shadow_transmittance", "light_weight"
         )
     )  # fmt: skip
     visible = None

@@ -95,3 +95,15 @@ def Xform "above" {{
 }}""")
     area = 1.0 if normalize else area_of(name, a)
     assert power_of(scene) == pytest.approx(math.pi * INTENSITY * area, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", LIGHTS)
+def test_normalised_lights_are_as_bright_in_every_unit(load, name):
+    """The area is one of world space, which is that of the stage: a stage is only relabelled."""
+    kind, _, fields = LIGHTS[name].partition(";")
+    text = f"""def Mesh "m" {{{SQUARE}}}
+def {kind} "light" {{ {fields}; float inputs:intensity = {INTENSITY}
+    bool inputs:normalize = 1
+}}"""
+    metres, inches = (power_of(load(text, unit=unit)) for unit in (1, 0.0254))
+    assert inches == pytest.approx(0.0254**2 * metres, rel=1e-4)

@@ -23,7 +23,7 @@ from alight.integrators.walk import Settings, make_settings
 from alight.rendering.tiles.division import tiles_of
 from alight.rendering.tiles.tile import Kernels, Scratch, make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.training.trained import is_to_be_guided, length_of, trained, untrained
+from alight.rendering.training.guide_training import is_to_be_guided, length_of, trained, untrained
 
 
 class Rung(NamedTuple):

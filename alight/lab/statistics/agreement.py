@@ -21,8 +21,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from alight.lab.blocks import LEVEL, compare_with_reference
 from alight.lab.results import BIASED, DISPUTED, UNBIASED
+from alight.lab.statistics.block_means import LEVEL, compare_with_reference
 from alight.metrics.comparison import PictureStatistics
 
 #: Most arms that vote: there are 2^K sets of K.

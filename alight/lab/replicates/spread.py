@@ -19,11 +19,11 @@ from alight.cluster.addresses import check_address, connected
 from alight.compiled.scene import CompiledScene
 from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive, unpack_archive
-from alight.lab.measure import Rung, render_ladder
-from alight.lab.steering import is_steered, steered_ladder
+from alight.lab.replicates.measure import Rung, render_ladder
+from alight.lab.replicates.steering import is_steered, steered_ladder
 from alight.rendering.executors.block_tasks import sent
 from alight.rendering.tiles.tile import Kernels
-from alight.rendering.training.trained import is_to_be_guided
+from alight.rendering.training.guide_training import is_to_be_guided
 from lanewise.machine import processor
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from alight.core.constants import LUMINANCE
-from alight.lab.decomposition import Moments
 from alight.lab.results import BIASED, DIFFERENT, UNBIASED, BiasTest
-from alight.lab.statistics import holm_adjusted, quantile
+from alight.lab.statistics.decomposition import Moments
+from alight.lab.statistics.intervals import holm_adjusted, quantile
 from alight.metrics.comparison import PictureStatistics, compare_pictures
 from alight.metrics.estimate import Estimate
 from alight.metrics.statistics import sum_of_squares_tails, welch

@@ -23,7 +23,7 @@ from itertools import pairwise
 import numpy as np
 
 from alight.core.spec import Sampler
-from alight.lab.statistics import Statistic, log_mean
+from alight.lab.statistics.intervals import Statistic, log_mean
 from alight.metrics import JUDGED
 
 #: A number is not left for the next larger ones, at twice the cost, if it is this close.

@@ -23,7 +23,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.errors import show_value, unknown_name
 from alight.films import Film
 from alight.integrators.walk import Settings, make_settings
-from alight.lab.measure import Rung, add_tiles, film_for, made_ready
+from alight.lab.replicates.measure import Rung, add_tiles, film_for, made_ready
 from alight.rendering.schedules.cycles import THRESHOLD, Cycles
 from alight.rendering.schedules.passes import Work, ranges_of
 from alight.rendering.schedules.schedule import Schedule, Verdict
@@ -81,7 +81,7 @@ def steered_ladder(
     threads: int,
     option: Any,
 ) -> Iterator[Rung]:
-    """As `alight.lab.measure.render_ladder`, by the schedule that the option `schedule` names.
+    """As `alight.lab.replicates.measure.render_ladder`, by the schedule that an option names.
 
     Parameters
     ----------

@@ -10,11 +10,11 @@ import numpy as np
 from alight.core.errors import OptionError
 from alight.lab.arm_plan import Plan
 from alight.lab.arms import seed_of
-from alight.lab.blocks import block_row
 from alight.lab.figures import Figures
-from alight.lab.measure import Rung
-from alight.lab.session import Session, StudyProgress
-from alight.lab.spread import Ladder, processor
+from alight.lab.replicates.measure import Rung
+from alight.lab.replicates.session import Session, StudyProgress
+from alight.lab.replicates.spread import Ladder, processor
+from alight.lab.statistics.block_means import block_row
 from alight.lab.store import Example, Replicate
 from alight.lab.study import SceneSpec, scene_name
 

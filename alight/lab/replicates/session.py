@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from alight.lab.spread import Spread
+from alight.lab.replicates.spread import Spread
 from alight.lab.store import Store
 from alight.lab.study import SceneSpec, Study
 

@@ -10,7 +10,7 @@ import pytest
 
 import alight
 from alight.outputs.image import write_image
-from alight.rendering.schedules.largest_sample import largest_sample
+from alight.rendering.schedules.sample_bound import largest_sample
 from alight.scene import flatten
 
 # A closed box that shines, and a ball in it.

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from alight.lab.statistics import quantile
+from alight.lab.statistics.intervals import quantile
 from alight.metrics.estimate import Estimate
 
 

@@ -15,7 +15,7 @@ from alight.integrators.walk import make_settings
 from alight.rendering.tiles.both_ends_tile import splatting_tile_kernel
 from alight.rendering.tiles.tile import Scratch
 from alight.rendering.tiles.tile_kernel import Tile
-from alight.rendering.tracing.contributions import recorded_tables
+from alight.rendering.tracing.contribution_recorder import recorded_tables
 from lanewise.jit import instantiate
 from lanewise.view import View
 

@@ -1,0 +1,1 @@
+"""What replicates say: block means, bias and variance, intervals, speed-ups, odd arms."""

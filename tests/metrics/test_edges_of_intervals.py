@@ -1,0 +1,99 @@
+"""Intervals of a picture's error where there is hardly a picture, or hardly a replicate."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from alight.metrics.own_error import estimate_relmse
+from alight.metrics.pixel_bars import pixel_bars
+
+REPLICATES = (2, 3, 4, 5, 64)
+
+
+def one_sample(noise, size):
+    """A black picture but for one sample."""
+    noise = np.zeros_like(noise)
+    noise[4, 4, 0] = size
+    return noise
+
+
+def one_black(noise):
+    """One replicate has found nothing."""
+    noise[:, :, 0] = 0.0
+    return noise
+
+
+#: What becomes of noise (9, 9, R, 3), and whether the error is known then.
+PICTURES = {
+    "noise": (lambda noise: noise, True),
+    "one pixel": (lambda noise: noise[:1, :1], True),
+    "one row": (lambda noise: noise[:1], True),
+    "one replicate black": (one_black, True),
+    "one sample in the dark": (lambda noise: one_sample(noise, 1.0), True),
+    "one enormous sample": (lambda noise: 1.0 + one_sample(noise, 6e10), True),
+    "hardly any light": (lambda noise: 1e-14 * noise, True),
+    "as much light as a film takes": (lambda noise: 1e9 * noise, True),
+    "no noise": (np.ones_like, True),
+    "black": (np.zeros_like, False),
+    "below zero": (lambda noise: -noise, False),
+}
+
+
+@pytest.mark.parametrize("replicates", REPLICATES)
+@pytest.mark.parametrize("name", PICTURES)
+def test_an_interval_is_in_order_or_unknown(name, replicates):
+    make, known = PICTURES[name]
+    means = make(np.random.default_rng(3).gamma(2.0, 0.5, (9, 9, replicates, 3)))
+    means, counts = means.astype(np.float32), np.full(means.shape[:3], 16)
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        found = estimate_relmse(means, counts)
+        bars = pixel_bars(means, counts)
+    assert not [str(warning.message) for warning in warned]
+    for value, low, high in (found.relmse, found.relmse_literature):
+        if known:
+            assert 0.0 <= low <= value <= high < math.inf
+        else:
+            assert math.isnan(value)
+            assert math.isnan(low)
+            assert math.isnan(high)
+    assert found.known == 1.0
+    assert bars.unsure.shape == means.shape[:2]
+
+
+@pytest.mark.parametrize("replicates", REPLICATES)
+def test_pixels_without_one_replicate_are_unknown_and_no_others(replicates):
+    means = np.random.default_rng(4).gamma(2.0, 0.5, (9, 16, replicates, 3)).astype(np.float32)
+    counts = np.full(means.shape[:3], 16)
+    counts[:, 8:, -1] = means[:, 8:, -1] = 0
+    found = estimate_relmse(means, counts)
+    assert found.known == 0.5
+    assert found.relmse.low <= found.relmse.value <= found.relmse.high
+    counts[:, :, -1] = means[:, :, -1] = 0
+    nothing = estimate_relmse(means, counts)
+    assert nothing.known == 0.0
+    assert math.isnan(nothing.relmse.value)
+
+
+@pytest.mark.parametrize("replicates", [4, 8, 16])
+def test_any_number_of_replicates_holds_the_error_and_none_is_wide_for_nothing(replicates):
+    """Bright and dark pixels, 10 % of noise: there are as many degrees of freedom as pixels."""
+    held, freedoms = 0, []
+    for seed in range(30):
+        rng = np.random.default_rng((5, seed))
+        truth = np.where(rng.random((24, 24)) < 0.5, 0.3, 1.0)[..., None]
+        noise = 0.2 * math.sqrt(replicates / 4.0) * rng.normal(size=(24, 24, replicates))
+        means = np.repeat((truth * (1.0 + noise))[..., None], 3, axis=3).astype(np.float32)
+        found = estimate_relmse(means, np.full(noise.shape, 16), literature=False)
+        scale = truth[..., 0] ** 2 + (0.1 * truth.mean()) ** 2
+        own = float(((means[..., 0].mean(axis=2) - truth[..., 0]) ** 2 / scale).mean())
+        held += found.relmse.low <= own <= found.relmse.high
+        freedoms.append(found.figure.freedom)
+    # At 95 %, 24 of 30 or fewer have a probability below 1 %.
+    assert held > 24
+    # Weights by brightness that is taken too low leave 0.75 to 0.89 of them.
+    assert 0.9 < np.mean(freedoms) / 24**2 < 1.1
