@@ -9,12 +9,14 @@ from alight.compiled.shapes import CompiledShapes
 from alight.core.vec import luminance
 from alight.lights.bright_disk import Disk
 from alight.lights.model import LIGHTS
-from alight.lights.targets import SPHERE
+from alight.lights.targets import FINE, SPHERE
 from lanewise.vec3 import Vec3
 
 
-def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) -> np.ndarray:
-    """The choice of a target, the spheres of all lights, and which one is a disk of the sky.
+def targets(
+    rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes, casters: np.ndarray
+) -> np.ndarray:
+    """The choice of a target, the spheres of all lights, which one is a disk of the sky, and boxes.
 
     Parameters
     ----------
@@ -22,12 +24,15 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
         One a light.
     powers : (n,) float64, W
     shapes : CompiledShapes
+    casters : (k, 6) float64, metres
+        Boxes around what casts caustics.
 
     Returns
     -------
-    (n + 1 + 4 n + 1,) float32
+    (n + 1 + 4 n + 1 + 6 k,) float32
     """
     placed = np.array([row.shape >= 0 for row in rows], bool)
+    points = {i: powers[i] for i, row in enumerate(rows) if _is_aimed_at(row) and powers[i] > 0.0}
     powers = np.where(placed, powers, 0.0)
     leaves, spheres = find_leaves(rows, powers, shapes), np.zeros((len(rows), SPHERE))
     for number in np.flatnonzero(powers > 0.0):
@@ -36,6 +41,10 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
             low, high = leaves.low[mine].min(axis=0), leaves.high[mine].max(axis=0)
             spheres[number] = *(0.5 * (low + high)), _radius(0.5 * (high - low))
     powers = np.where(spheres[:, 3] > 0.0, powers, 0.0)
+    for number, power in points.items():
+        far = LIGHTS[rows[number].kind].INFINITELY_FAR
+        spheres[number] = *rows[number].numbers[:3], -FINE if far else FINE
+        powers[number] = power
     # Of the sky's disks the brightest one.
     disks = [(_power(row, row.disk, shapes.radius), i) for i, row in enumerate(rows) if row.disk]
     power, far = max(disks, default=(0.0, 0))
@@ -46,7 +55,15 @@ def targets(rows: list[LightRow], powers: np.ndarray, shapes: CompiledShapes) ->
         powers[far] = power
     if not rows:
         return np.zeros(0, np.float32)
-    return np.concatenate([by_power(powers), spheres.ravel(), [far]]).astype(np.float32)
+    return np.concatenate([by_power(powers), spheres.ravel(), [far], casters.ravel()]).astype(
+        np.float32
+    )
+
+
+def _is_aimed_at(row: LightRow) -> bool:
+    """Whether it is a delta light, of which is known where it is."""
+    model = LIGHTS[row.kind]
+    return model.DELTA and row.motion is None and (model.INFINITELY_FAR or row.cone is not None)
 
 
 def _power(row: LightRow, disk: Disk, radius: float) -> float:

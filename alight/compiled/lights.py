@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from alight.compiled.casters import boxes_of_casters
 from alight.compiled.kept import Kept
 from alight.compiled.light_emission import Emits, emitting
 from alight.compiled.light_gain import gain_of_tree
@@ -143,7 +144,9 @@ def compile_lights(
             info[i, 1], info[i, 3] = sum(m.size for m in maps), sum(t.size for t in tables)
             maps.append(made.table)
             tables.append(made.cdf)
-    aimed_at = targets(rows, powers, shapes) if aims else np.zeros(0, np.float32)
+    aimed_at = np.zeros(0, np.float32)
+    if aims:
+        aimed_at = targets(rows, powers, shapes, boxes_of_casters(flat))
     all_tables = LightTables(
         View(info), View(data), View(np.concatenate(tables)), _joined(maps), View(aimed_at)
     )

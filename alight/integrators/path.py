@@ -44,16 +44,13 @@ sampling techniques, SIGGRAPH 1995; PBR4 sections 13.4 and 14.1.4.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, Self
-
-from pydantic import model_validator
+from typing import Annotated, ClassVar, Literal
 
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.switch import has_null
 from alight.core.constants import INFINITY
-from alight.core.fields import invalid
 from alight.core.mis import balance_heuristic, power_heuristic
 from alight.core.noise_only import NoiseOnly
 from alight.core.vec import absolute_vec3, max_component
@@ -117,7 +114,8 @@ class Path(PathTracing):
     caustics : {"paths", "manifold"}, default "paths"
         How lamps and the sun are found behind mirrors and clear glass: by paths that happen to hit
         them, or also by manifold sampling (`alight.integrators.caustics.manifold_sampling`), for
-        small ones.
+        small ones. Point, spot and directional lights are hit by no path: their caustics are in
+        the picture with "manifold" alone.
     """
 
     walks_inside: ClassVar[bool] = True
@@ -126,12 +124,6 @@ class Path(PathTracing):
     type: Literal["path"] = "path"
     heuristic: Annotated[Literal["power", "balance"], NoiseOnly()] = "power"
     caustics: Annotated[Literal["paths", "manifold"], NoiseOnly()] = "paths"
-
-    @model_validator(mode="after")
-    def _one_way_to_lamps(self) -> Self:
-        if self.caustics == "manifold" and self.wants_guide:
-            raise invalid("caustics: manifold has no guide: take guiding: off or caustics: paths")
-        return self
 
     @property
     def aims_at_lamps(self) -> bool:
@@ -258,7 +250,7 @@ def _write_shade(program, scatter, strategy, roulette, weights, listeners):
     hides, is_from_camera = program.option("hide_emitters", False), write_is_from_camera(program)
     next_direction = write_surface_scatter(roulette) if guided else _write_scatter(scatter)
     end_dim_paths = write_end_dim_paths(program, guided)
-    add_caustics = write_add_caustics(listeners)
+    add_caustics = write_add_caustics(listeners, guided)
 
     @kernel
     def shade(scene, settings, path, hit):

@@ -42,6 +42,7 @@ EXAMPLES = (Directional(), Directional(irradiance=(3.0, 2.0, 1.0)), Directional(
 
 #: Rays cannot hit it, so every mode finds it by light sampling.
 DELTA = True
+INFINITELY_FAR = True
 
 
 def place(spec: Directional, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:

@@ -44,8 +44,12 @@ class LightModel(Record):
     ----------
     DELTA : bool
         Rays cannot hit it: only light sampling finds it.
+    INFINITELY_FAR : bool
+        Of a light that is DELTA: it has a direction and no place.
     place : (spec, (4, 4) float64) -> (triple, (n,) float64)
-        Colour, and up to twelve numbers for its kernels, from the matrix object to world.
+        Colour, and up to twelve numbers for its kernels, from the matrix object to world. Those of
+        a light that is DELTA begin with the point where it is, or if it is infinitely far, with the
+        unit direction to it.
     power : (luminance, area, radius) -> float
         Emitted power in W, where the mean colour has that luminance, its shape has that area in m^2
         and the scene that radius in m.
@@ -100,6 +104,7 @@ class LightModel(Record):
     place: Callable[[Any, np.ndarray], tuple[Triple, np.ndarray]]
     power: Callable[[float, float, float], float]
     sample: Kernel
+    INFINITELY_FAR: bool = False
     pdf: Kernel | None = None
     emitted: Kernel | None = None
     radiance: Kernel | None = None

@@ -85,11 +85,11 @@ def _if_chosen(own, back: int):
     return choose
 
 
-def _by_kind(names: tuple[str, ...]):
+def sample_by_kind(names: tuple[str, ...]):
     """A kernel that runs each light's `sample` where it was chosen."""
     if not names:
         return no_sample
-    own, number, others = _sample_of(names[0]), LIGHTS[names[0]].number, _by_kind(names[1:])
+    own, number, others = _sample_of(names[0]), LIGHTS[names[0]].number, sample_by_kind(names[1:])
 
     @kernel
     def choose(scene, index, p, u, u2):
@@ -109,7 +109,7 @@ def sample_chosen(program):
     names = tuple(name for name in LIGHTS if name in program.lights and name not in several)
     # Where all lights are of one kind, nobody has to ask.
     alone = not several and len(names) == 1
-    own = _sample_of(names[0]) if alone else _by_row(several, _by_kind(names))
+    own = _sample_of(names[0]) if alone else _by_row(several, sample_by_kind(names))
     return moving_sample(own) if "lights" in program.motion else own
 
 

@@ -11,7 +11,28 @@ WATER, PANE = (
     f"{TESTS}::test_a_small_lamp_lights_the_ground[{name}]" for name in ("water", "pane")
 )
 
+DELTA = "tests/estimators/test_caustics_of_delta_lights.py"
+DAY_AND_LAMPS = f"{DELTA}::test_lamps_light_the_ground_under_water"
+
 MANIFOLDS = (
+    Mutant(
+        "delta lights as disks of the whole radius that walks aim at",
+        "lights/targets.py",
+        (("radiance * (INV_PI / (size * size))", "radiance * (INV_PI / (FINE * FINE))"),),
+        DAY_AND_LAMPS,
+    ),
+    Mutant(
+        "delta lights through what lies in front of them",
+        "lights/targets.py",
+        (("free = t >= shadow_length(s.distance, s.cosine, s.error, 0.0)", "free = t > 0.0"),),
+        f"{DELTA}::test_nothing_comes_through_what_lies_in_front",
+    ),
+    Mutant(
+        "a disk of a delta light of one size in metres",
+        "lights/targets.py",
+        (("where(target.delta, target.radius * distance, target.radius)", "target.radius"),),
+        DAY_AND_LAMPS,
+    ),
     Mutant(
         "caustics that paths find once more",
         "integrators/path.py",

@@ -58,7 +58,6 @@ SCENES = {
     "fraction-for-whole": CAMERA + "integrator: {type: path, max_depth: 2.5}\n",
     "zero-depth": CAMERA + "integrator: {type: path, max_depth: 0}\n",
     "endless-paths": CAMERA + "integrator: {type: path, russian_roulette: none}\n",
-    "guided-caustics": CAMERA + "integrator: {type: path, caustics: manifold, guiding: camera}\n",
     "unknown-medium": CAMERA + "bsdfs: {g: {type: dielectric, int_ior: watr}}\n",
     "grid-without-end": CAMERA + "media: {m: {type: grid, values: [[[1, 2]]], sigma_t: 1e6}}\n",
     "unknown-metal": CAMERA + "bsdfs: {g: {type: conductor, metal: god}}\n",

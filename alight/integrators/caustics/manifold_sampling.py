@@ -44,7 +44,7 @@ from alight.integrators.caustics.manifold_walk import place_near
 from alight.integrators.interiors.body_walk import enters_body
 from alight.integrators.interiors.dispersed import meet_dispersion
 from alight.integrators.moments import at_times_of
-from alight.integrators.walk import gather_light, to_local
+from alight.integrators.walk import gather_light, gather_unguided, to_local
 from alight.lights.tables import INFO
 from alight.lights.targets import choose_target, far_light, target_at
 from alight.media.tables import Stream, step_numbers
@@ -118,7 +118,7 @@ def _going_on(number):
     return pow(ratio, lanes(LONG_POWER))
 
 
-def write_add_caustics(listeners):
+def write_add_caustics(listeners, guided=False):
     """``(scene, settings, path, surface, wo, active, left) -> (path, covered)``.
 
     Light of lamps behind mirrors and glass is added where active paths scatter it. left: mask,
@@ -208,12 +208,15 @@ def write_add_caustics(listeners):
                     seen = at_times_of(scene, trial.sampler)
             light = factor * total
             path = gather_light(path, light, looking, lanes_mask(False))
+            if guided:
+                # Searches follow no guide.
+                path = gather_unguided(path, light, looking)
             if recorded:
                 edges = depth + mine.type.count + 1
                 as_hit = replace(path, delta=lanes_mask(True))
                 # What is around the scene is known by its last light.
                 last = lanes_u32(scene.lights.info.size // INFO)
-                row = where(target.far, last, lamp + 1)
+                row = where(target.far & ~target.delta, last, lamp + 1)
                 find(scene, as_hit, row, edges, looking & (total > 0.0), light)
         return replace(path, rays=rays), covered
 

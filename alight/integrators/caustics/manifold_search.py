@@ -38,7 +38,7 @@ from alight.integrators.caustics.specular_chain import Plan, Start, follow
 from alight.integrators.interiors.body_walk import enters_body
 from alight.integrators.interiors.enclosing import bodies_beyond
 from alight.integrators.walk import to_world
-from alight.lights.targets import way_to
+from alight.lights.targets import radius_at, way_to, way_to_caster
 from alight.media.tables import step_numbers
 from alight.shapes.hit import spawn_origin
 from lanewise.jit import kernel
@@ -64,8 +64,11 @@ PAIRS = OWN_PAIRS + MOST_EVENTS + 1
 #: within these bounds.
 LEAST_STEP, MOST_STEP = 1e-4, 1e-2
 
-#: Part of the seeds that go about the lamp and not as the BSDF has it, and how near at least.
-AIMED, LEAST_TURN = 0.5, 1e-7
+#: Parts of the seeds that go about the lamp, and towards mirrors and clear glass; the others go as
+#: the BSDF has it.
+AIMED, CASTING = 0.45, 0.2
+#: How near to the lamp's middle the former go at least, as 1 - cos.
+LEAST_TURN = 1e-7
 
 #: What is looked for, and from where. surface, wo: as of `sample_bsdf`; d, bodies: the ray that
 #: has come there, and the `Bodies` that it came in, or (); target: `Target`; stream: `Stream`;
@@ -88,7 +91,7 @@ def _towards(search, u, v):
     distance = maximum(length(to), 1e-20)
     axis = to * (1.0 / distance)
     # 1 - cos, from the edge of the target to the other side of the world.
-    size = minimum(search.target.radius / distance, 1.0)
+    size = minimum(radius_at(search.target, distance) / distance, 1.0)
     least = maximum(0.5 * size * size, LEAST_TURN)
     local = direction_around_z(minimum(least * exp(u * log(2.0 / least)), 2.0), v)
     s, t = frame_from_normal(axis)
@@ -104,10 +107,16 @@ def _seeds(scene, search, begin):
     sample = sample_bsdf(scene, surface, search.wo, choice, (x, y), begin.seed)
     smooth = (sample.flags & (DELTA | NULL)) == 0
     aimed = way < AIMED
+    rest = (way - AIMED) * (1.0 / CASTING)
+    there, to = way_to_caster(scene, surface.p, choice, (x, y, minimum(rest, 1.0)))
+    distance = length(to)
+    casting = there & ~aimed & (rest < 1.0) & (distance > 0.0)
+    freely = aimed | casting
     scattered = begin.seed & (
-        (smooth & (sample.pdf > 0.0)) | (aimed & (smooth | is_mixed(scene, surface)))
+        (smooth & (sample.pdf > 0.0)) | (freely & (smooth | is_mixed(scene, surface)))
     )
     w = where(aimed, _towards(search, x, y), to_world(surface, sample.wi))
+    w = where(casting, to * (1.0 / where(casting, distance, 1.0)), w)
     o = spawn_origin(surface.p, surface.error, surface.ng, w)
     scattered = scattered & ~enters_body(scene, surface, w)
     return (
@@ -125,7 +134,8 @@ def search_lamps(scene, search, begin):
     type, found = begin.type, lanes_vec3(0.0)
     drawn, late, rays = w, begin.given, 0
     target = search.target
-    size = 0.5 * target.radius / maximum(length(way_to(target, o)), 1e-20)
+    distance = maximum(length(way_to(target, o)), 1e-20)
+    size = 0.5 * radius_at(target, distance) / distance
     h = minimum(maximum(size, LEAST_STEP), MOST_STEP)
     near = step_numbers(search.stream, search.first + 2)
     while any_lane(stage != ENDED):

@@ -37,7 +37,7 @@ STEP = 1e-3
 #: Longest step.
 LONGEST = 0.3
 #: Steps that are tried, and how short a share of a step may become.
-MOST_TRIES, LEAST_SHARE = 10, 0.1
+MOST_TRIES, LEAST_SHARE = 25, 0.1
 #: Ellipses whose longer axis is longer are no caustics: paths find these lamps easily.
 WIDEST = 0.3
 #: Damping, as a share of the mean square of the derivatives: steps exist where J is singular.

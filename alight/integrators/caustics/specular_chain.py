@@ -26,7 +26,7 @@ from alight.integrators.interiors.dispersed import spreads
 from alight.integrators.interiors.enclosing import bodies_beyond, come_to
 from alight.integrators.walk import count_lanes, to_local, to_world
 from alight.lights.hits import emitted
-from alight.lights.targets import found_beyond, way_to
+from alight.lights.targets import end_at_point, found_beyond, radius_at, way_to
 from alight.media.tables import step_numbers
 from alight.shapes.hit import spawn_origin
 from alight.shapes.surfaces import make_surface
@@ -80,8 +80,9 @@ def _miss_of(o, d, target):
     ahead = along > 0.0
     miss = where(ahead, to - along * d, to)
     distance = length(to)
-    angle = where(ahead, (length(miss) + target.radius) / distance, 1.0)
-    return miss * (1.0 / target.radius), minimum(angle, 1.0)
+    radius = radius_at(target, distance)
+    angle = where(ahead, (length(miss) + radius) / distance, 1.0)
+    return miss * (1.0 / radius), minimum(angle, 1.0)
 
 
 @kernel
@@ -103,15 +104,18 @@ def follow(scene, start, target, plan, active):
         met = going & (hit.t < INFINITY)
         surface = make_surface(scene, hit, o, d, met)
         wo = to_local(surface, -d)
+        last = going & ~chance & (passed.count == type.count)
+        t, of_point = end_at_point(scene, target, o, d, hit.t, last)
         # Dimmed by the body that the ray crossed.
-        ray = come_to(scene, Lit(d, beta, bodies), surface, hit.t, met, met)
+        ray = come_to(scene, Lit(d, beta, bodies), surface, t, met, met | (last & target.delta))
         beta, bodies = ray.beta, ray.bodies
+        found = where(last & target.delta, beta * of_point, found)
         # The end of the chain: is it the target?
-        arrived = met & ~chance & (passed.count == type.count)
+        arrived = met & last
         if any_lane(arrived):
             shines = arrived & (surface.light == target.light + 1)
             found = where(shines, beta * emitted(scene, surface, -d), found)
-        left = going & ~met & ~chance & (passed.count == type.count)
+        left = last & ~met & ~target.delta
         found = where(left, beta * found_beyond(scene, target, d, left), found)
         # One more mirror or piece of glass.
         turning = met & ~arrived

@@ -24,6 +24,7 @@ from alight.integrators.contributions import BY_LIGHT
 from alight.lab.statistics.intervals import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
+from alight.lights.sampling import has_delta_lights
 from alight.metrics.estimate import Estimate
 from alight.scene import Scene, flatten
 
@@ -100,8 +101,8 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
     if program.single_light:
         # Nothing to choose from.
         found = {key: other for key, other in found.items() if ".light_choice=" not in key}
-    if not has_chains(program):
-        # Nothing to look through.
+    if not has_chains(program) or has_delta_lights(program):
+        # Nothing to look through, or light that no path finds: another picture, which is no advice.
         found.pop("integrator.caustics=manifold", None)
     order = sorted(found, key=lambda key: key.split(".")[1].split("=")[0] not in first)
     return {key: found[key] for key in order}

@@ -14,6 +14,7 @@ from alight.core.constants import INFINITY
 from alight.core.vec import length, luminance, max_component
 from alight.guiding.light_records import record_arrivals
 from alight.integrators.both_ends.light_walk import set_out, write_arrive, write_leave
+from alight.integrators.caustics.chain_types import follows_chains
 from alight.integrators.interiors.collisions import Turn, pass_media, turn_in_medium
 from alight.integrators.interiors.enclosing import dimmed, left_along
 from alight.integrators.interiors.volume_walk import first_channel, mean, medium_beyond
@@ -71,6 +72,8 @@ def extend_recorded(program):
     if program.media:
         return _write_extend_in_media(program)
     arrive, leave = write_arrive(program), write_leave(program)
+    # Light sampling looks straight through holes, and walks through mirrors and glass.
+    found_through = NULL | DELTA if follows_chains(program) else NULL
 
     @kernel
     def extend(scene, settings, log, path):
@@ -86,8 +89,7 @@ def extend_recorded(program):
         w = to_world(arrival.surface, arrival.wl)
         record_arrivals(log, p, w, luminance(path.beta), near, recorded)
         way = lanes_vec3(1.0) * where(delta, way, 0.0)
-        # Light sampling looks straight through holes.
-        return replace(on, L=way, delta=path.delta & ((flags & NULL) != 0))
+        return replace(on, L=way, delta=path.delta & ((flags & found_through) != 0))
 
     return extend
 

@@ -1,0 +1,32 @@
+"""Where mirrors and clear glass are, which cast caustics."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.bsdfs import dirac
+from alight.bsdfs.model import BSDFS
+from alight.bsdfs.nesting import leaves
+from alight.compiled.suspicious_bodies import box_of
+from alight.core.spec import Bsdf
+from alight.scene.flatten import FlatScene
+
+
+def boxes_of_casters(flat: FlatScene) -> NDArray[np.float64]:
+    """The boxes around shapes at rest that are mirrors or clear glass, and finite.
+
+    Returns
+    -------
+    (n, 6) float64, metres
+        Lower and upper corner.
+    """
+    bright = [_is_caster(bsdf) for bsdf in flat.bsdfs]
+    found = [box_of(flat, placed) for placed in flat.shapes if bright[placed.bsdf]]
+    rows = [np.concatenate(box) for box in found if box is not None]
+    return np.array([row for row in rows if np.isfinite(row).all()], float).reshape(-1, 6)
+
+
+def _is_caster(bsdf: Bsdf) -> bool:
+    models = [BSDFS[leaf.bsdf.type_name()] for leaf in leaves(bsdf)]
+    return any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models)
