@@ -155,7 +155,7 @@ FOREIGN = (
     Mutant(
         "lights of meshes that do not know how large they are",
         "formats/usd/lights.py",
-        (("radiance / max(0.5 * float(", "radiance / max(1.0 * float("),),
+        (("area = 0.5 * float(np.linalg", "area = 1.0 * float(np.linalg"),),
         "tests/formats/usd/test_controls_of_lights.py"
         "::test_the_light_of_a_normalised_mesh_is_divided_by_its_area",
     ),

@@ -19,8 +19,8 @@ GUIDING = (
         "rendering/training/light_training.py",
         (
             (
-                "        way = lanes_vec3(1.0) * where(delta, way, 0.0)\n        # Light",
-                "        way = lanes_vec3(1.0) * way\n        # Light",
+                "        way = lanes_vec3(1.0) * where(delta, way, 0.0)\n        return",
+                "        way = lanes_vec3(1.0) * way\n        return",
             ),
         ),
         f"{LIGHT}::test_a_way_begins_where_light_was_scattered",
@@ -289,8 +289,8 @@ GUIDING = (
         "rendering/training/light_training.py",
         (
             (
-                "where(delta, way, 0.0)\n        # Light sampling",
-                "where(delta, 0.0, 0.0)\n        # Light sampling",
+                "where(delta, way, 0.0)\n        return",
+                "where(delta, 0.0, 0.0)\n        return",
             ),
         ),
         f"{LIGHT}::test_the_length_of_a_way_goes_over_mirrors",
