@@ -19,7 +19,7 @@ class Bias(NamedTuple):
     ----------
     cause : str
         For programs: "depth cap", "adaptive criterion", "stopped at an error", "denoiser",
-        "invalid samples", "saturated values" or "light paths".
+        "invalid samples", "saturated values", "light paths" or "caustics".
     text : str
         What it is, for people.
     effect : float or None

@@ -27,8 +27,10 @@ from alight.lab.study import (
     Study,
     StudyError,
 )
+from alight.lights.model import LIGHTS
 from alight.rendering.tiles.tile import Kernels
 from alight.scene import Scene, content_hash, flatten
+from alight.scene.nodes import all_nodes
 from lanewise.machine import fingerprint
 
 #: Longest side of pictures under ``--quick``.
@@ -215,7 +217,14 @@ def same_picture_hash(scene: Scene) -> str:
         "film": scene.film.model_copy(update={"replicates": 1}),
         "integrator": _transport(plain.integrator),
     }
-    return content_hash(plain.model_copy(update=update))
+    found = content_hash(plain.model_copy(update=update))
+    # Walks find light of delta lights that no path finds.
+    return f"{found} aimed" if scene.integrator.aims_at_lamps and _has_delta_light(scene) else found
+
+
+def _has_delta_light(scene: Scene) -> bool:
+    lights = (node.light for _, node in all_nodes(scene) if node.light is not None)
+    return any(LIGHTS[light.type_name()].DELTA for light in lights)
 
 
 def _transport(integrator: Integrator) -> Integrator:

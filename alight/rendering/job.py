@@ -24,9 +24,10 @@ from alight.rendering.schedules.passes import Work, ranges_of
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.seeds import PILOT, seed_of_round
 from alight.rendering.tiles.division import tiles_of
-from alight.rendering.tiles.light_paths import UNSEEN, check_light_paths, parts_of
+from alight.rendering.tiles.light_paths import check_light_paths, parts_of
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.training.guide_training import Training
+from alight.rendering.unfound_light import unfound_light
 from lanewise.application import variable
 from lanewise.kept_files import lost
 from lanewise.machine import PORTABLE, cache_folder, fingerprint, target
@@ -165,9 +166,7 @@ class Job:
             fingerprint=fingerprint(),
             version=VERSION,
         )
-        film.recorded = depth_cap.unmeasured(scene.integrator)
-        if scene.integrator.splats and not scene.integrator.transports:
-            film.recorded += (UNSEEN,)
+        film.recorded = depth_cap.unmeasured(scene.integrator) + unfound_light(scene)
         film.largest_sample = self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
         film.shares_paths = scene.integrator.splats
@@ -283,7 +282,7 @@ class Job:
         # The pilot looks at single pixels; light paths belong to none.
         if self.samples and not self.splats:
             seed = seed_of_round(self.seed, PILOT)
-            film.recorded = depth_cap.measured(self, seed)
+            film.recorded = depth_cap.measured(self, seed) + unfound_light(self.scene)
             film.recorded += self.schedule.biases(self.rounds)
 
     def end(self, word: str) -> None:

@@ -5,13 +5,14 @@ from typing import Literal, get_args, get_origin
 import numpy as np
 import pytest
 
+import alight
 from alight.bsdfs.blend import Blend
 from alight.bsdfs.diffuse import Diffuse
 from alight.compiled.scene import compile_scene
 from alight.core.noise_only import noise_only_fields
 from alight.core.registry import Models
 from alight.core.vec import Vec3
-from alight.lab.arms import load_arms, without_choices
+from alight.lab.arms import load_arms, same_picture_hash, without_choices
 from alight.lab.study import StudyError
 from alight.lab.study_file import parse_study
 from alight.laws.materials import Material, stacked
@@ -118,3 +119,22 @@ def test_compensation_of_facets_is_another_picture():
     study = parse_study(STUDY)
     with pytest.raises(StudyError, match=r"without[\s\S]*another picture.*compensation"):
         load_arms(study, study.scenes[0], quick=False)
+
+
+@pytest.mark.parametrize(
+    ("light", "other"),
+    [
+        ({"type": "point", "intensity": 1}, True),
+        ({"type": "directional", "irradiance": 1}, True),
+        (None, False),
+    ],
+)
+def test_walks_make_another_picture_where_no_path_finds_the_light(light, other):
+    def hash_of(caustics):
+        return same_picture_hash(alight.load({
+            "camera": {}, "environment": {"type": "constant"},
+            "integrator": {"type": "path", "caustics": caustics},
+            "nodes": {"lamp": {"light": light} if light else {"shape": "sphere"}},
+        }))  # fmt: skip
+
+    assert (hash_of("paths") != hash_of("manifold")) == other

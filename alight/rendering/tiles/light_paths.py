@@ -11,7 +11,6 @@ from alight.compiled.program import Program
 from alight.compiled.scene import CompiledScene
 from alight.core.errors import OptionError
 from alight.films import CELL_SIZE
-from alight.films.ledger import Bias
 from alight.filters.model import FILTERS
 from alight.lights.model import LIGHTS
 from alight.rendering.schedules.schedule import Schedule, Uniform
@@ -24,9 +23,6 @@ LEAST_REPLICATES = 16
 
 #: Parts of a pass for each thread: each has sums for the whole window.
 PARTS = 2
-
-#: The entry of the ledger: what no light path can connect to.
-UNSEEN = Bias("light paths", "what is seen in mirrors and through clear glass is missing")
 
 
 def check_light_paths(scene: CompiledScene, schedule: Schedule) -> None:
