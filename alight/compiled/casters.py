@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.bsdfs import dirac
+from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS
 from alight.bsdfs.nesting import leaves
 from alight.compiled.suspicious_bodies import box_of
@@ -21,12 +22,16 @@ def boxes_of_casters(flat: FlatScene) -> NDArray[np.float64]:
     (n, 6) float64, metres
         Lower and upper corner.
     """
-    bright = [_is_caster(bsdf) for bsdf in flat.bsdfs]
+    bright = [is_caster(bsdf) for bsdf in flat.bsdfs]
     found = [box_of(flat, placed) for placed in flat.shapes if bright[placed.bsdf]]
     rows = [np.concatenate(box) for box in found if box is not None]
     return np.array([row for row in rows if np.isfinite(row).all()], float).reshape(-1, 6)
 
 
-def _is_caster(bsdf: Bsdf) -> bool:
-    models = [BSDFS[leaf.bsdf.type_name()] for leaf in leaves(bsdf)]
-    return any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models)
+def is_caster(bsdf: Bsdf) -> bool:
+    """Whether some of a material is a mirror or clear glass."""
+    specs = [leaf.bsdf for leaf in leaves(bsdf)]
+    models = [BSDFS[spec.type_name()] for spec in specs]
+    clear = any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models)
+    pairs = zip(models, specs, strict=True)
+    return clear or any(DELTA_AND_SMOOTH in model.features(spec) for model, spec in pairs)

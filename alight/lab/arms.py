@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from alight.compiled.casters import is_caster
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.errors import SceneError, show_value, unknown_name
 from alight.core.noise_only import noise_only_fields
@@ -30,7 +31,6 @@ from alight.lab.study import (
 from alight.lights.model import LIGHTS
 from alight.rendering.tiles.tile import Kernels
 from alight.scene import Scene, content_hash, flatten
-from alight.scene.nodes import all_nodes
 from lanewise.machine import fingerprint
 
 #: Longest side of pictures under ``--quick``.
@@ -217,14 +217,18 @@ def same_picture_hash(scene: Scene) -> str:
         "film": scene.film.model_copy(update={"replicates": 1}),
         "integrator": _transport(plain.integrator),
     }
-    found = content_hash(plain.model_copy(update=update))
-    # Walks find light of delta lights that no path finds.
-    return f"{found} aimed" if scene.integrator.aims_at_lamps and _has_delta_light(scene) else found
+    return content_hash(plain.model_copy(update=update)) + _more_than_paths(scene)
 
 
-def _has_delta_light(scene: Scene) -> bool:
-    lights = (node.light for _, node in all_nodes(scene) if node.light is not None)
-    return any(LIGHTS[light.type_name()].DELTA for light in lights)
+def _more_than_paths(scene: Scene) -> str:
+    """Who finds caustics of lights without a size, of which paths find none; empty for nobody."""
+    integrator = scene.integrator
+    who = "walks" if integrator.aims_at_lamps else "light paths" if integrator.splats else ""
+    if not (who and integrator.transports):
+        return ""
+    flat = flatten(scene)
+    delta = any(LIGHTS[placed.light.type_name()].DELTA for placed in flat.lights)
+    return who if delta and any(is_caster(bsdf) for bsdf in flat.bsdfs) else ""
 
 
 def _transport(integrator: Integrator) -> Integrator:

@@ -121,20 +121,24 @@ def test_compensation_of_facets_is_another_picture():
         load_arms(study, study.scenes[0], quick=False)
 
 
+POINT, SUN = {"type": "point", "intensity": 1}, {"type": "directional", "irradiance": 1}
+WALKS, LIGHT_PATHS = {"type": "path", "caustics": "manifold"}, {"type": "bidirectional"}
+
+
+@pytest.mark.parametrize("integrator", [WALKS, LIGHT_PATHS])
 @pytest.mark.parametrize(
-    ("light", "other"),
+    ("light", "bsdf", "other"),
     [
-        ({"type": "point", "intensity": 1}, True),
-        ({"type": "directional", "irradiance": 1}, True),
-        (None, False),
+        (POINT, "mirror", True), (SUN, "dielectric", True), (POINT, "plastic", True),
+        (POINT, "diffuse", False), (POINT, "rough_dielectric", False), (None, "mirror", False),
     ],
-)
-def test_walks_make_another_picture_where_no_path_finds_the_light(light, other):
-    def hash_of(caustics):
+)  # fmt: skip
+def test_what_no_path_finds_is_another_picture(integrator, light, bsdf, other):
+    def hash_of(integrator):
         return same_picture_hash(alight.load({
-            "camera": {}, "environment": {"type": "constant"},
-            "integrator": {"type": "path", "caustics": caustics},
-            "nodes": {"lamp": {"light": light} if light else {"shape": "sphere"}},
+            "camera": {}, "environment": {"type": "constant"}, "integrator": integrator,
+            "nodes": {"ball": {"shape": "sphere", "bsdf": {"type": bsdf}},
+                      **({"lamp": {"light": light}} if light else {})},
         }))  # fmt: skip
 
-    assert (hash_of("paths") != hash_of("manifold")) == other
+    assert (hash_of({"type": "path"}) != hash_of(integrator)) == other
