@@ -15,6 +15,7 @@ from alight.core.errors import Issue, SceneError, quote
 from alight.core.field_types import texture_interval
 from alight.core.fields import invalid
 from alight.core.spec import Light, Shape, Spec, Texture
+from alight.outputs.primaries import foreign_primaries
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
 from alight.scene.files import Files
@@ -101,7 +102,11 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
     """
     name = name or str(path)
     try:
-        texels = builtin_texels(name) if is_builtin(name) else read_texels(path, _check_size)
+        if is_builtin(name):
+            texels = builtin_texels(name)
+        else:
+            texels = read_texels(path, _check_size)
+            _say_primaries(path, name, note)
         texels = _without_negative_light(texels, name, note)
         # Nobody else has this array: marked so, it is not copied.
         texels.setflags(write=False)
@@ -114,6 +119,17 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
     except ValueError as error:
         text = _broken(name, error)
     raise SceneError([Issue("file", text)])
+
+
+def _say_primaries(path: Path, name: str, note: Callable[[str], None] | None) -> None:
+    if note is None or path.suffix.lower() != ".exr":
+        return
+    primaries = foreign_primaries(path)
+    if primaries:
+        note(
+            f"{quote(name)}: its primaries are not those of sRGB ({primaries}), and its numbers "
+            "were taken as they are: convert colours to linear sRGB"
+        )
 
 
 def _without_negative_light(
