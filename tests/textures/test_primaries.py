@@ -1,4 +1,4 @@
-"""Pictures in other colour spaces than that of sRGB: told, since their numbers are not converted."""
+"""Pictures in other colour spaces than sRGB: told, since their numbers are not converted."""
 
 import numpy as np
 import pytest
