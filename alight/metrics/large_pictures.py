@@ -62,8 +62,12 @@ _ALONG = 4
 #: Pairs of channels, each above or on the diagonal.
 _PAIRS = 6
 
-#: r is 0.02 to 10^24, and its square no float32: it is added up in parts of this size, squared.
+#: r is 0.02 to 10^24, and its square no float32: products of two numbers of that size are added up
+#: in parts of this size, squared.
 _PARTS = 1e-6
+
+#: The sums that are.
+_OF_SQUARES = (2, 4, 7)
 
 #: Room for a packet's numbers, each in a row of its own.
 _THREE_ROWS, _NINE_ROWS, _ROWS_OF_SUMS = 3 * WIDEST, 9 * WIDEST, _SUMS * WIDEST
@@ -137,12 +141,13 @@ def gather_pixels(into, noisy, error, own, q2, b):
     store_lanes(keys, 0, key)
     store_lanes(rows, 0, r)
     store_lanes(rows, LANES, r * rho)
-    store_lanes(rows, 2 * LANES, r * (rho * rho - noise * inverse))
+    part, quiet = _PARTS * r, noise * inverse
+    store_lanes(rows, 2 * LANES, part * (_PARTS * (rho * rho - quiet)))
     store_lanes(rows, 3 * LANES, r * floor)
-    store_lanes(rows, 4 * LANES, (_PARTS * r) * (_PARTS * r))
+    store_lanes(rows, 4 * LANES, part * part)
     store_lanes(rows, 5 * LANES, r * sqrt(r))
     store_lanes(rows, 6 * LANES, r * log(own * inverse))
-    store_lanes(rows, 7 * LANES, r * (noise * inverse))
+    store_lanes(rows, 7 * LANES, part * (_PARTS * quiet))
     store_lanes(rows, 8 * LANES, where(rho < 0.0, r / floor, 0.0))
     bits = mask_bits(noisy)
     while bits != 0:
@@ -161,11 +166,9 @@ def weight_of(factors, a, b, q2, epsilon):
     own_b, error_b = b.brightness * b.brightness + epsilon, b.scatter / total
     noise = b.scatter / b.samples
     plain = inverse_square(maximum(b.brightness, GUARD * a.brightness), noise, epsilon)
-    deviation = sqrt(noise)
-    away = where(b.brightness >= a.brightness, deviation, -deviation)
-    quiet = maximum(b.brightness - away, 0.0)
+    quiet = maximum(b.brightness - sqrt(noise), 0.0)
     unsure = error_b >= PRECISE * own_b
-    plain = where(unsure, sqrt(plain) / sqrt(quiet * quiet + epsilon), plain)
+    plain = where(unsure, maximum(sqrt(plain) / sqrt(quiet * quiet + epsilon), plain), plain)
     noisy = error_a >= PRECISE * maximum(own_a, q2)
     if any_lane(noisy):
         believed = gather(factors, class_of_pixels(own_a, q2, error_a)) / q2
@@ -309,7 +312,7 @@ class Loops:
         """First pass: sums of classes, the other pixels' error, their unlikeness and its number."""
         sums, totals = np.zeros((CLASSES * GROUPS, _SUMS)), np.zeros(3)
         self._run(learn)(self._picture, View(sums), View(totals))
-        sums[:, 4] /= _PARTS**2
+        sums[:, _OF_SQUARES] /= _PARTS**2
         sums = np.ascontiguousarray(sums.T).reshape(no_sums().shape)
         return sums, float(totals[0]), float(totals[1]), int(totals[2])
 

@@ -152,8 +152,8 @@ class _Sums:
             for a, b in _halves(m, k, self._halvings):
                 weigh_a, weigh_b = next(kept)
                 by_a, by_b = weigh_a.full(weights), weigh_b.full(weights)
-                quiet_a = _quietly(by_a, weigh_a.classes, a, b, self._epsilon)
-                quiet_b = _quietly(by_b, weigh_b.classes, b, a, self._epsilon)
+                quiet_a = _quietly(by_a, weigh_a.classes, b, self._epsilon)
+                quiet_b = _quietly(by_b, weigh_b.classes, a, self._epsilon)
                 spread += _spread(known[rows], a, b, quiet_a, quiet_b, both)
                 if shared:
                     shared.add(m, np.sqrt(by_a * by_b) * known[rows])
@@ -343,16 +343,13 @@ def _inverse_square(
     return f
 
 
-def _quietly(
-    weights: np.ndarray, classes: np.ndarray, a: _Half, b: _Half, epsilon: np.float32
-) -> np.ndarray:
+def _quietly(weights: np.ndarray, classes: np.ndarray, b: _Half, epsilon: np.float32) -> np.ndarray:
     """Weights for products of both halves' errors, where `b` has told the brightness itself.
 
     In these products B's error counts too, and a bright sample that makes it large makes B's
-    brightness large, and so excuses itself. Without the replicates that are farther from A's
-    brightness B excuses nothing, but is too dark if they held light. The truth lies between: the
-    geometric mean of both weights. Noise without a skew puts these replicates as often below as
-    above, so that the weights are neither too large nor too small then.
+    brightness large, and so excuses itself. Without the error that brightness excuses nothing, but
+    is too dark. The truth lies between: the geometric mean of both weights. Where B's error is
+    small beside B's own brightness there is next to nothing to excuse.
     """
     own = b.brightness * b.brightness
     own += epsilon
@@ -361,14 +358,14 @@ def _quietly(
     some: np.ndarray = np.flatnonzero(unsure)
     if not some.size:
         return weights
-    other, brightness, variance, as_is = (
-        x.ravel().take(some) for x in (a.brightness, b.brightness, b.variance, weights)
+    brightness, variance, as_is = (
+        x.ravel().take(some) for x in (b.brightness, b.variance, weights)
     )
-    quiet = brightness - np.copysign(np.sqrt(variance), brightness - other)
-    np.maximum(quiet, 0.0, out=quiet)
+    quiet = np.maximum(brightness - np.sqrt(variance), 0.0)
     weights = weights.copy()
     # Roots first: of dark pictures the product would be infinite.
-    weights.ravel()[some] = np.sqrt(as_is) / np.sqrt(quiet * quiet + epsilon)
+    mean = np.sqrt(as_is) / np.sqrt(quiet * quiet + epsilon)
+    weights.ravel()[some] = np.maximum(mean, as_is)
     return weights
 
 

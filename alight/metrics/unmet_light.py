@@ -51,8 +51,9 @@ def unmet_light(seen: Survey, epsilon: float) -> float:
     float
         0 where no pixel owes its light to so few events.
     """
-    step = 4 if seen.known.size > _LARGE else 1
+    step = 4 if seen.known.size > _LARGE and seen.known[::4].any() else 1
     known = seen.known[::step]
+    share = float(known.sum()) / max(float(seen.known.sum()), 1.0)
     counts = seen.counts[::step] if len(seen.counts) > 1 else seen.counts
     # Where all pixels are known, planes need no copies.
     some = (lambda plane, mask: plane.ravel()) if seen.known.all() else (lambda p, mask: p[mask])
@@ -70,7 +71,7 @@ def unmet_light(seen: Survey, epsilon: float) -> float:
         if few.size:
             # One event alone makes the error c / n, and K of them its root of K times.
             size = (samples.take(few) * np.sqrt(variance.take(few))).max()
-            budget = EVENTS * float(size) / step
+            budget = EVENTS * float(size) * share
             lit = np.maximum(some(seen.picture[c, ::step], known), 0.0)
             total += _filled(lit, n, epsilon, budget)
     return total / (3.0 * max(int(known.sum()), 1))

@@ -34,6 +34,31 @@ def test_one_event_tells_how_much_more_darkness_may_hide(size):
     assert unmet_light(events, 0.01) == pytest.approx(4.0 * expected, rel=1e-3)
 
 
+@pytest.mark.parametrize("size", [(1, 70000), (2, 35000), (7, 10000), (70000, 1), (266, 256)])
+def test_a_large_picture_of_any_height_is_looked_at_in_proportion(size):
+    """As many pixels of a small picture, that is looked at whole, hide as much."""
+    means = np.ones((size[0] * size[1], 4))
+    means[::3] = 0.0
+    means[3 * 999, 3] = 2.0
+    counts = np.full(means.shape, 16)
+
+    def of(shape, part):
+        seen = survey(in_colour(means[part].reshape(*shape, 4)), counts[part].reshape(*shape, 4))
+        return unmet_light(seen, 0.01)
+
+    small, part = (60, 60), slice(0, 3600)
+    assert of(size, slice(None)) * means.shape[0] == pytest.approx(of(small, part) * 3600, rel=0.02)
+
+
+def test_a_large_picture_with_few_known_rows_is_looked_at_there():
+    means = np.ones((300, 400, 4))
+    means[101:104:2, :, :] = 0.0
+    means[102, 7] = (0.0, 0.0, 0.0, 2.0)
+    counts = np.zeros(means.shape, int)
+    counts[101:104] = 16
+    assert unmet_light(survey(in_colour(means), counts), 0.01) > 0.0
+
+
 def test_no_way_to_hide_the_light_makes_more_of_it():
     rng = np.random.default_rng(5)
     truth = rng.exponential(1.0, (16, 16)) ** 2

@@ -7,10 +7,22 @@ EDGES = "tests/metrics/test_edges_of_intervals.py"
 
 LARGE_PICTURES = (
     Mutant(
-        "brightness that is always taken too low in products of errors",
+        "brightness that holds most of its own error in products",
         "metrics/own_error.py",
-        (("np.copysign(np.sqrt(variance), brightness - other)", "np.sqrt(variance)"),),
-        f"{EDGES}::test_any_number_of_replicates_holds_the_error_and_none_is_wide_for_nothing",
+        (
+            (
+                "np.maximum(brightness - np.sqrt(variance), 0.0)",
+                "np.maximum(brightness - 0.25 * np.sqrt(variance), 0.0)",
+            ),
+        ),
+        f"{EDGES}::test_light_of_few_events_in_half_a_picture_does_not_excuse_itself",
+    ),
+    Mutant(
+        "rows of a large picture that stand for four, wherever they lie",
+        "metrics/unmet_light.py",
+        (("EVENTS * float(size) * share", "EVENTS * float(size) / step"),),
+        "tests/metrics/test_unmet_light.py"
+        "::test_a_large_picture_of_any_height_is_looked_at_in_proportion[size0]",
     ),
     Mutant(
         "a weight that is infinite where there is hardly any light",
@@ -35,9 +47,9 @@ LARGE_PICTURES = (
         LARGE,
     ),
     Mutant(
-        "products of large pictures by brightness that is taken too low",
+        "products of large pictures by brightness that excuses itself",
         "metrics/large_pictures.py",
-        (("where(b.brightness >= a.brightness, deviation, -deviation)", "deviation"),),
+        (("quiet = maximum(b.brightness - sqrt(noise), 0.0)", "quiet = b.brightness"),),
         LARGE,
     ),
     Mutant(

@@ -106,9 +106,9 @@ class SurfaceUnderTest:
 def select(surface, found):
     """The surface's fields as float64 arrays, hits only."""
     fields = {}
-    # No texture here names a set of coordinates, and nothing disperses light.
-    assert surface.chart == surface.wavelength == ()
-    for name, value in surface._replace(chart=0, wavelength=0)._asdict().items():
+    # No texture here names a set of coordinates, nothing disperses light or bends a frame.
+    assert surface.chart == surface.wavelength == surface.bend == ()
+    for name, value in surface._replace(chart=0, wavelength=0, bend=0)._asdict().items():
         if name in ("p", "ng", "ns", "s", "t", "color"):
             fields[name] = np.broadcast_to(rows(value), (3, N))[:, found]
         else:
