@@ -47,7 +47,10 @@ class Heights(NamedTuple):
     @classmethod
     def of(cls, value: Any, factor: float, offset: float) -> Heights:
         """Those of ``factor * value + offset``."""
-        return cls(value, factor, -offset / factor) if factor != 0.0 else cls(1.0, offset)
+        # A picture that changes a height by less than its rounding changes nothing.
+        if factor == 0.0 or abs(offset) > 1e12 * abs(factor):
+            return cls(1.0, offset)
+        return cls(value, factor, -offset / factor)
 
     @property
     def reach(self) -> float:

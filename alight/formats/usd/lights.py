@@ -35,6 +35,8 @@ Data = dict[str, Any]
 _BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
 #: From our light along +z to one along -z.
 _TURNED: Data = {"rotate": {"axis": "y", "angle": 180.0}}
+#: How a light and the glow of its mesh's material go together, if nothing is said.
+_TINTED = UsdLux.Tokens.materialGlowTintsLight
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,17 @@ def glow_of(stage: Stage, prim: Any, own: Any, triangles: Triangles, world: np.n
     radiance = _radiance(stage, prim) * _normalisation(stage, prim, area)
     _say_shaping(stage, prim)
     say_what_is_unphysical(stage, prim)
-    if own is None:
+    mode = stage.value(UsdLux.LightAPI(prim).GetMaterialSyncModeAttr(), _TINTED)
+    if mode == UsdLux.Tokens.noMaterialResponse:
+        text = "light reflected by a mesh that shines stays, though it asks for no response"
+        stage.report.approximate(f"{prim.GetPath()}: {text}")
+    if own is None or mode == UsdLux.Tokens.noMaterialResponse:
+        return radiance.tolist()
+    if mode == UsdLux.Tokens.independent:
+        if isinstance(own, list):
+            return [a + b for a, b in zip(radiance.tolist(), own, strict=True)]
+        text = "the glow of its material, a texture, is left out beside its light"
+        stage.report.approximate(f"{prim.GetPath()}: {text}")
         return radiance.tolist()
     text = "the light of a mesh is multiplied by the glow of its material, seen directly, too"
     stage.report.approximate(f"{prim.GetPath()}: {text}")

@@ -66,8 +66,9 @@ def _by_loop(stage: Stage, mesh: Any, polygons: Polygons) -> Polygons:
     if not problem:
         try:
             found = subdivide(polygons.points, polygons.corners.reshape(-1, 3), levels)
-        except NotManifoldError as error:
-            problem = str(error)
+        except NotManifoldError:
+            # What it says is of a finer mesh, whose vertices the file does not have.
+            problem = "is not the mesh of a surface"
     if found is None:
         text = f"Loop's scheme, and it {problem}: its control mesh is shown"
         stage.report.approximate(f"{mesh.GetPath()}: {text}")

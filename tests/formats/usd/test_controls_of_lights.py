@@ -39,8 +39,7 @@ def test_the_light_of_a_normalised_mesh_is_divided_by_its_area(load):
     assert radiance_of(load(MESH_LIGHT % scaled)) == pytest.approx((5 / 3, 2.5 / 3, 0.0))
 
 
-def test_the_glow_of_a_material_tints_the_light_of_a_mesh(load):
-    glowing = """def Material "look"
+GLOWING = """def Material "look"
 {
     token outputs:surface.connect = </look/s.outputs:surface>
     def Shader "s"
@@ -51,9 +50,23 @@ def test_the_glow_of_a_material_tints_the_light_of_a_mesh(load):
     }
 }
 """
-    scene = load(glowing + MESH_LIGHT % "rel material:binding = </look>")
-    assert radiance_of(scene) == (2.5, 2.5, 0.0)
-    assert any("glow" in warning for warning in scene.warnings)
+
+
+@pytest.mark.parametrize(
+    ("mode", "radiance", "word"),
+    [
+        (None, (2.5, 2.5, 0.0), "multiplied by the glow"),
+        ("materialGlowTintsLight", (2.5, 2.5, 0.0), "multiplied by the glow"),
+        ("independent", (5.5, 3.5, 1.0), None),
+        ("noMaterialResponse", (5.0, 2.5, 0.0), "asks for no response"),
+    ],
+)
+def test_the_glow_of_a_material_and_the_light_of_a_mesh(load, mode, radiance, word):
+    more = f'uniform token light:materialSyncMode = "{mode}"\n' if mode else ""
+    scene = load(GLOWING + MESH_LIGHT % (more + "rel material:binding = </look>"))
+    assert radiance_of(scene) == radiance
+    found = [warning for warning in scene.warnings if "glow" in warning or "response" in warning]
+    assert [word in text for text in found] == [True] * (word is not None)
 
 
 def said(load, attributes, kind="SphereLight", more=""):
