@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, partial, wraps
+from functools import partial, wraps
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from alight.cameras import MODELS as CAMERAS
 from alight.compiled.scene import compile_scene
 from alight.compiled.shapes import compile_shapes
 from alight.core.spec import Shape
+from alight.laws.remembered import remembered
 from alight.laws.report import BrokenLawError
 from alight.laws.statistics import UNIT, unit_vectors
 from alight.lights.model import LIGHTS
@@ -137,7 +138,7 @@ def rows_of(v: Any, n: int) -> np.ndarray:
     return np.stack([np.broadcast_to(c, n) for c in (v.x, v.y, v.z)]).astype(np.float64)
 
 
-@lru_cache(maxsize=8)
+@remembered(8)
 def body_of(spec: Shape, placement: str) -> Body:
     """The example under one of `PLACEMENTS`."""
     return Body(spec, PLACEMENTS[placement])

@@ -6,7 +6,7 @@ against light sampling: what arrives on a small disk must be the same by both.
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from alight.core.vec import Vec3, luminance
 from alight.laws.bodies import PLACEMENTS, nearest_hits
 from alight.laws.lights import NARROW, described, mean_radiance, run, strategy
 from alight.laws.materials import stacked
+from alight.laws.remembered import remembered
 from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import (
     LARGEST_Z,
@@ -95,7 +96,7 @@ def scenes_with(spec: Light) -> list[Scene]:
     return [strategy(described(spec), way) for way in ways] if emits(spec) else []
 
 
-@lru_cache(maxsize=2)
+@remembered(2)
 def emitted_by(spec: Light) -> tuple[tuple[Scene, Rays], ...]:
     """Each of `scenes_with`, and its rays: all laws of an example look at the same."""
     return tuple((scene, rays_of(compiled(scene))) for scene in scenes_with(spec))

@@ -7,7 +7,6 @@ forgets a feature is found.
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from alight.core.registry import default_of
 from alight.core.spec import Integrator
 from alight.formats import loads
 from alight.laws.integrators import REPLICATES, picture
+from alight.laws.remembered import remembered
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering.schedules.schedule import Uniform
@@ -165,7 +165,7 @@ def _compiled(spec: Integrator, nodes: str) -> CompiledScene | None:
     return compiled
 
 
-@lru_cache(maxsize=2 * len(FEATURES))
+@remembered(2 * len(FEATURES))
 def _sums(spec: Integrator, nodes: str) -> np.ndarray | None:
     """Means (quadrants and channels, pixels, replicates) of the picture; None if it is refused."""
     scene = _compiled(spec, nodes)

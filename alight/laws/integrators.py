@@ -6,8 +6,6 @@ mirror ball and a lamp.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
@@ -17,6 +15,7 @@ from alight.core.spec import Integrator
 from alight.films.fixed_point import carry, to_float
 from alight.formats import loads
 from alight.integrators.walk import make_settings
+from alight.laws.remembered import remembered
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering.tiles.tile import make_kernels, render_tile
@@ -52,7 +51,7 @@ bsdfs: {mirror: {type: mirror, reflectance: 0.9}}
 DARK_LAMP = ROOM.replace("radiance: 20", "radiance: 0").replace("radiance: 0.2", "radiance: 1")
 
 
-@lru_cache(maxsize=8)
+@remembered(8)
 def room(spec: Integrator) -> CompiledScene:
     """The room, with this integrator."""
     return _compiled(spec, ROOM)
@@ -82,7 +81,7 @@ def picture(
     return to_float(film.sums)
 
 
-@lru_cache(maxsize=8)
+@remembered(8)
 def sums(spec: Integrator, lit: bool) -> np.ndarray:
     """Sums (16, 16, replicates, 3) of the whole room, with the lamp or by the sky alone."""
     scene = room(spec) if lit else _compiled(spec, DARK_LAMP)

@@ -8,7 +8,6 @@ they stand on a shape or around the scene.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from alight.core.registry import specs_of
 from alight.core.spec import Light, Shape
 from alight.core.vec import Vec3, luminance
 from alight.laws.materials import stacked
+from alight.laws.remembered import remembered
 from alight.laws.report import BrokenLawError, demand, demand_close
 from alight.laws.statistics import (
     LARGEST_Z,
@@ -74,7 +74,7 @@ def described(spec: Light) -> Scene:
     return Scene(nodes=nodes, camera=camera, environment=None if seen else sky)
 
 
-@lru_cache(maxsize=2)
+@remembered(2)
 def scene_of(spec: Light) -> CompiledScene:
     """That scene for light sampling alone: else a map may leave light to BSDF sampling."""
     return compile_scene(flatten(strategy(described(spec), "emitter")), structure="list")

@@ -6,7 +6,6 @@ Each law is a function of an example and raises `BrokenLawError`. The density al
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from alight.core.registry import default_of, specs_of
 from alight.core.spec import Bsdf, Camera, Integrator, Medium, Shape
 from alight.laws.bodies import scene_of
 from alight.laws.integrators import picture
+from alight.laws.remembered import remembered
 from alight.laws.report import demand
 from alight.laws.statistics import LARGEST_Z, unit_vectors, z_of_mean
 from alight.media.coefficients import Coefficients, extinction
@@ -45,13 +45,13 @@ def _ball(spec: Medium) -> Scene:
     return scene_of({"ball": node}).replaced(integrator=sees)
 
 
-@lru_cache(maxsize=4)
+@remembered(4)
 def ball_of(spec: Medium) -> CompiledScene:
     """That ball, compiled."""
     return compile_scene(flatten(_ball(spec)), structure="list")
 
 
-@lru_cache(maxsize=4)
+@remembered(4)
 def furnace_of(spec: Medium) -> CompiledScene:
     """That ball before surroundings of radiance 1, on a small film."""
     scene = _ball(spec)

@@ -5,7 +5,7 @@ The first bytes of a file determine its format, not its name.
 
 from __future__ import annotations
 
-import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,8 +28,6 @@ MOST_NUMBERS = 2**28
 #: Blocks of 16 MB that Pillow keeps for the next picture: as many as one of 4096 x 4096 takes. New
 #: memory costs five times as much time as decoding a JPEG file into it.
 KEPT_BLOCKS = 5
-#: One entry for each `reusing_memory` that is open.
-_reusing: list[bool] = []
 #: Rows that are copied from Pillow's memory at once.
 STRIP = 64
 
@@ -98,18 +96,46 @@ def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray
         raise ValueError(f"is broken ({error})") from None
 
 
+class _Blocks:
+    """How many `reusing_memory` are open: Pillow's memory is that of all threads."""
+
+    def __init__(self) -> None:
+        self._lock, self._open = threading.Lock(), 0
+        # Pillow's, once it keeps memory: while another thread imports Pillow it has none of this.
+        self._core: Any = None
+
+    def open(self) -> None:
+        with self._lock:
+            self._open += 1
+
+    def keep(self, core: Any) -> None:
+        """Let Pillow keep memory, where this is wanted."""
+        with self._lock:
+            if self._open:
+                core.set_blocks_max(KEPT_BLOCKS)
+                self._core = core
+
+    def close(self) -> None:
+        """Give the memory back with the last that is open."""
+        with self._lock:
+            self._open -= 1
+            if not self._open and self._core is not None:
+                self._core.set_blocks_max(0)
+                self._core.clear_cache()
+                self._core = None
+
+
+_blocks = _Blocks()
+
+
 @contextmanager
 def reusing_memory() -> Iterator[None]:
     """Let pictures that are read inside take the memory of those before them."""
-    _reusing.append(True)
+    _blocks.open()
     try:
         yield
     finally:
-        _reusing.pop()
-        pillow = sys.modules.get("PIL.Image")
-        if pillow is not None and not _reusing:
-            pillow.core.set_blocks_max(0)
-            pillow.core.clear_cache()
+        _blocks.close()
 
 
 def _read_targa(path: Path, check_size: SizeCheck) -> np.ndarray:
@@ -132,8 +158,7 @@ def _read_with_pillow(
     with warnings.catch_warnings():
         # Pillow's own limits are above ours, but it reports them before we see the size.
         warnings.simplefilter("ignore")
-        if _reusing:
-            Image.core.set_blocks_max(KEPT_BLOCKS)
+        _blocks.keep(Image.core)
         try:
             with Image.open(opened(source), formats=formats) as image:
                 check_size(*image.size)

@@ -71,6 +71,17 @@ class _CancelledError(Exception):
     """A frame was cancelled."""
 
 
+class _Stop(threading.Event):
+    """Ends frames that are in work; the user's event does so too, and is the user's to set."""
+
+    def __init__(self, users: threading.Event | None) -> None:
+        super().__init__()
+        self._users = users or threading.Event()
+
+    def is_set(self) -> bool:
+        return super().is_set() or self._users.is_set()
+
+
 @takes(AnimationOptions)
 def animate(scene: Any, options: AnimationOptions) -> list[Path]:
     """Render an animation.
@@ -116,8 +127,6 @@ class Animation:
         Of the frames.
     current : int
         Number of the frame that is rendered now, or that is next.
-    kept : list of Path
-        Files of frames that were there already.
     """
 
     def __init__(self, scene: Any, options: AnimationOptions) -> None:
@@ -136,9 +145,10 @@ class Animation:
         self.scene, self.current = self.prepared.scene, self.numbers.start
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
-        self.kept: list[Path] = []
+        #: By frame: threads are done in any order.
+        self._kept: dict[int, list[Path]] = {}
         self.threads = single.threads or usable_processors()
-        self.cancel = options.cancel or threading.Event()
+        self._stop = _Stop(options.cancel)
         self._pace: dict[str, int] = {}
         self._pivot = middle(flatten(self.scene)) if options.turntable else np.zeros(3)
 
@@ -159,6 +169,11 @@ class Animation:
             if "#" not in path.name:
                 text = f"must hold #### for the number of the frame, got {path}"
                 raise OptionError(text, "output")
+
+    @property
+    def kept(self) -> list[Path]:
+        """Files of frames that were there already, in the order of the frames."""
+        return [path for number in sorted(self._kept) for path in self._kept[number]]
 
     @property
     def goes_on(self) -> bool:
@@ -188,7 +203,7 @@ class Animation:
 
     def _frames(self) -> Iterator[np.ndarray]:
         """What films show of each frame, in order; while one is finished the next is begun."""
-        many = self._at_once()
+        many, self._stop = self._at_once(), _Stop(self.options.cancel)
         with Crew(self.threads) as crew, ThreadPoolExecutor(many) as pool:
             begun: deque[Future[np.ndarray]] = deque()
             waiting = iter(self.numbers)
@@ -200,7 +215,7 @@ class Animation:
                     yield begun.popleft().result()
             except BaseException:
                 # Frames that have been begun are not finished.
-                self.cancel.set()
+                self._stop.set()
                 raise
 
     def _at_once(self) -> int:
@@ -224,13 +239,13 @@ class Animation:
         scene = self.scene_of(number)
         label = self.label_of(scene)
         missing = [path for path in paths if label_in(path) != label]
-        self.kept += [path for path in paths if path not in missing]
+        self._kept[number] = [path for path in paths if path not in missing]
         linear = [path for path in paths if path.suffix.lower() in exr.SUFFIXES]
         if paths and not missing and (linear or not self.films):
             return self._shown(read_image(linear[0])) if self.films else _NOTHING
         executor = None if self.single.cluster is not None else Threads(crew)
         film = main_loop.render_film(scene, self._options_of(number), executor)
-        if self.cancel.is_set():
+        if self._stop.is_set():
             raise _CancelledError
         self._note_pace(film)
         picture = film.picture(layers=any(format_of(path).KEEPS_LAYERS for path in missing))
@@ -248,7 +263,7 @@ class Animation:
                 show(progress)
 
         changed = {} if show is None else {"progress": shown}
-        return self.single.changed(cancel=self.cancel, **self._pace, **changed)
+        return self.single.changed(cancel=self._stop, **self._pace, **changed)
 
     def _note_pace(self, film: Film) -> None:
         """Frames after the first need no short pass to find out how long passes are."""

@@ -1,14 +1,20 @@
 """`check_laws` finds what is wrong with a user's model, and its statistics are SciPy's."""
 
 import re
+import types
+from typing import Literal
 
 import pytest
 from scipy import stats
 
 import alight
 from alight.core.registration import RegistrationError, unregister
-from alight.laws import statistics
+from alight.integrators import path
+from alight.laws import bodies, emission, integrators, lights, media, statistics
 from alight.lights import directional, point, spot
+from alight.media import homogeneous
+from alight.shapes import sphere
+from lanewise.jit import kernel
 from tests.docs.pages import ROOT, blocks
 from tests.extension.models import LAMBERT, module_of
 
@@ -92,6 +98,61 @@ def test_a_light_with_wrong_power_is_found():
         unregister("lights", "users_point")
     assert {"power" in result.law for result in report.failures} == {True}
     assert "declared power" in str(report)
+
+
+@pytest.fixture
+def register_point():
+    """Registers the point light anew, with other kernels and the same description."""
+    members = {name: value for name, value in vars(point).items() if name[:2] != "__"}
+    spec = type("OurPoint", (point.Point,), {
+        "__annotations__": {"type": Literal["our_point"]}, "type": "our_point",
+        "__module__": __name__,
+    })  # fmt: skip
+    members = {**members, "Point": spec, "EXAMPLES": (spec(),)}
+    yield lambda **kernels: alight.register(types.SimpleNamespace(**{**members, **kernels}))
+    unregister("lights", "our_point")
+
+
+@kernel
+def bright_sample(scene, index, p, u, u2):
+    found = our_sample(scene, index, p, u, u2)
+    return found._replace(radiance=found.radiance * 1.5)
+
+
+@kernel
+def bright_emit(scene, index, u2, v2):
+    found = our_emit(scene, index, u2, v2)
+    return found._replace(flux=found.flux * 1.5)
+
+
+our_sample, our_emit = point.sample, point.emit
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"sample": bright_sample}, {"emit": bright_emit}], ids=["sample", "emit"]
+)
+def test_laws_look_at_the_kernels_that_were_registered_last(register_point, wrong):
+    for kernels in ({}, wrong, {}):
+        report = alight.check_laws(register_point(**kernels), compiled=False)
+        assert report.ok == (not kernels), str(report)
+
+
+REMEMBERED = {
+    "rays": (emission.emitted_by, point.EXAMPLES[:1]),
+    "light": (lights.scene_of, point.EXAMPLES[:1]),
+    "room": (integrators.room, path.EXAMPLES[:1]),
+    "medium": (media.ball_of, homogeneous.EXAMPLES[:1]),
+    "furnace": (media.furnace_of, homogeneous.EXAMPLES[:1]),
+    "body": (bodies.body_of, (sphere.EXAMPLES[0], next(iter(bodies.PLACEMENTS)))),
+}
+
+
+@pytest.mark.parametrize(("function", "given"), REMEMBERED.values(), ids=REMEMBERED)
+def test_what_laws_remember_is_of_the_registered_models(register_point, function, given):
+    first = function(*given)
+    assert function(*given) is first
+    register_point()
+    assert function(*given) is not first
 
 
 @pytest.mark.parametrize(("x", "dof"), [(0.5, 1), (3.0, 10), (400.0, 300), (9.0, 200), (900, 300)])

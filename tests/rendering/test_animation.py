@@ -1,5 +1,8 @@
 """Animations: each frame at its time, none rendered twice, all in a moving picture."""
 
+import threading
+import time
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -10,6 +13,7 @@ from alight.cli.main import app
 from alight.options.animation import AnimationOptions
 from alight.rendering import animation
 from alight.rendering.animation import Animation, numbered
+from alight.rendering.executors import blocks
 from alight.scene.flatten import flatten, place_camera
 
 SMALL = {"size": (8, 8), "spp": 1, "threads": 1}
@@ -140,6 +144,54 @@ def test_no_frame_is_begun_after_one_that_fails(tmp_path, monkeypatch, at_once):
     assert len(begun) <= 1 + at_once
     assert kept.read_bytes() == b"what was there before"
     assert frames_of(tmp_path) == ["f.apng"]
+
+
+def test_an_error_leaves_the_event_of_the_caller_alone(tmp_path, monkeypatch):
+    cancel = threading.Event()
+
+    def failing(*arguments, **display):
+        raise alight.OutputError("broken")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(animation, "write_image", failing)
+        with pytest.raises(alight.OutputError, match="broken"):
+            animate(tmp_path, turntable=True, cancel=cancel)
+    assert not cancel.is_set()
+    animate(tmp_path, turntable=True, cancel=cancel)
+    assert len(frames_of(tmp_path)) == 3
+    cancel.set()
+    assert animate(tmp_path, turntable=True, cancel=cancel, seed=1) == []
+
+
+def test_an_error_in_a_tile_leaves_the_event_of_the_caller_alone(monkeypatch):
+    cancel = threading.Event()
+
+    def failing(*arguments):
+        raise alight.OutputError("broken")
+
+    monkeypatch.setattr(blocks, "render_tile", failing)
+    with pytest.raises(alight.OutputError, match="broken"):
+        alight.render("cornell-box", cancel=cancel, **SMALL)
+    assert not cancel.is_set()
+
+
+def test_kept_files_are_in_the_order_of_the_frames(tmp_path, monkeypatch):
+    animate(tmp_path, turntable=True)
+    words = {**SMALL, "threads": 2, "output": tmp_path / "f_####.png"}
+    made = Animation("cornell-box", AnimationOptions(frames="0:3", turntable=True, **words))
+    second, read = threading.Event(), animation.label_in
+
+    def late(path):
+        # The first frame is done after the second.
+        if path.name == "f_0000.png":
+            second.wait(1.0)
+            time.sleep(0.02)
+        elif path.name == "f_0001.png":
+            second.set()
+        return read(path)
+
+    monkeypatch.setattr(animation, "label_in", late)
+    assert made.render() == made.kept
 
 
 def test_names_of_frames():

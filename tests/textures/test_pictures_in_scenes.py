@@ -3,7 +3,10 @@
 import io
 import os
 import struct
+import sys
+import threading
 import zlib
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -18,7 +21,7 @@ from alight.formats import dumps, load, loads, save
 from alight.integrators.walk import make_settings
 from alight.outputs import write_image
 from alight.outputs.png import encode_png
-from alight.outputs.texels import STRIP, decode_texels, reusing_memory
+from alight.outputs.texels import KEPT_BLOCKS, STRIP, decode_texels, reusing_memory
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import content_hash, flatten
@@ -340,3 +343,46 @@ def test_memory_of_pictures_is_kept_only_while_more_are_read():
             assert kept() > 0
         assert kept() > 0
     assert kept() == 0
+
+
+def test_memory_is_given_back_while_another_thread_imports_pillow(monkeypatch):
+    # What stands in sys.modules until the import is done.
+    monkeypatch.setitem(sys.modules, "PIL.Image", ModuleType("PIL.Image"))
+    with reusing_memory():
+        pass
+
+
+def test_memory_is_kept_for_a_thread_that_begins_while_another_ends(monkeypatch):
+    file, found, ended = io.BytesIO(), [], threading.Event()
+    Pillow.fromarray(SMALL).save(file, "PNG")
+
+    def decode():
+        decode_texels(file.getvalue(), lambda width, height: None)
+
+    def second():
+        with reusing_memory():
+            decode()
+            ended.wait()
+            found.append(Pillow.core.blocks)
+
+    class Core:
+        """Pillow's; the other thread begins where this one lets go."""
+
+        blocks, real, thread = 0, Pillow.core, threading.Thread(target=second)
+
+        def __getattr__(self, name):
+            return getattr(self.real, name)
+
+        def set_blocks_max(self, count):
+            if count == 0 and self.thread.ident is None:
+                self.thread.start()
+                self.thread.join(0.05)
+            self.blocks = count
+
+    monkeypatch.setattr(Pillow, "core", Core())
+    with reusing_memory():
+        decode()
+    ended.set()
+    Core.thread.join()
+    assert found == [KEPT_BLOCKS]
+    assert Pillow.core.blocks == 0

@@ -153,9 +153,11 @@ class Threads:
     ) -> None:
         """Render each block on the next free thread; see `Executor`."""
         job, crew = self._job, self._crew
+        # `cancel` is the caller's, who may use it again after an error.
+        dropped = threading.Event()
 
         def work(block: Block) -> None:
-            if not cancel.is_set():
+            if not (cancel.is_set() or dropped.is_set()):
                 add(*render_tile(job.kernels, job.scene, settings, *block, crew.scratch))
 
         futures = [crew.pool.submit(work, block) for block in blocks]
@@ -165,7 +167,7 @@ class Threads:
                 report()
         except BaseException:
             # Tiles that run are finished and added; those that wait are dropped.
-            cancel.set()
+            dropped.set()
             for future in futures:
                 future.cancel()
             wait(futures)
