@@ -68,7 +68,7 @@ def _by_loop(stage: Stage, mesh: Any, polygons: Polygons) -> Polygons:
             found = subdivide(polygons.points, polygons.corners.reshape(-1, 3), levels)
         except NotManifoldError:
             # What it says is of a finer mesh, whose vertices the file does not have.
-            problem = "is not the mesh of a surface"
+            problem = "is not the mesh of a surface, with at most two triangles at an edge"
     if found is None:
         text = f"Loop's scheme, and it {problem}: its control mesh is shown"
         stage.report.approximate(f"{mesh.GetPath()}: {text}")

@@ -55,7 +55,7 @@ def test_a_mesh_lies_on_the_limit_surface_of_loop(load):
     [
         ("", [*FACES[:6], (1, 3, 0, 5)], "no triangles"),
         ("int[] cornerIndices = [0]\n float[] cornerSharpnesses = [10]", FACES, "corners"),
-        ("", [*FACES, FACES[0]], "more than two triangles"),
+        ("", [*FACES, FACES[0]], "at most two triangles"),
     ],
 )
 def test_what_loop_cannot_smooth_is_shown_as_it_is(load, more, faces, word):
