@@ -26,6 +26,9 @@ MOST_SECONDS = 10.0
 #: After this long on the clock a scene hangs. (Other work may slow the machine down.)
 HANGS_AFTER = 120.0
 
+#: Cases that share a process with those of other tests.
+FEW = 200
+
 
 class Renderer:
     """A process that renders for all tests here, and is replaced when it hangs or dies."""
@@ -70,7 +73,12 @@ def renderer() -> Iterator[Renderer]:
 def check(renderer: Renderer, cases: Iterable[Mutation], folder: Path) -> list[Outcome]:
     """Render mutated scenes; all that went wrong is told at once."""
     cases = list(cases)
+    if len(cases) > FEW:
+        # What so many leave in memory is theirs alone.
+        renderer.kill()
     results = [renderer.outcome(case, folder) for case in cases]
+    if len(cases) > FEW:
+        renderer.kill()
     wrong = [
         f"case {i}: {r.kind}, {r.seconds:.1f} s: {r.text[:300]}"
         for i, r in enumerate(results)
