@@ -70,7 +70,10 @@ def _seen_apart(params, wo):
     """(params, view) of what is below a coat, with the coat as it is seen."""
     own = seen_from(params.own_coat, mirrored_if(wo.z < 0.0, wo))
     params = replace(params, own_coat=own)
-    return params, view_from(params, along_facets(params.brush.turn, below_coat(own, wo)))
+    w = below_coat(own, wo)
+    # Where what is below turns away it is cut (`left_below`), and says nothing of the coat's side.
+    w = where(w.z * wo.z > 0.0, w, wo)
+    return params, view_from(params, along_facets(params.brush.turn, w))
 
 
 @kernel

@@ -64,6 +64,21 @@ def test_a_smooth_coat_lies_on_a_base_that_a_map_bends(below):
     )
 
 
+@pytest.mark.parametrize("through", [{"thin": True}, {}], ids=["sheet", "glass"])
+def test_a_coat_stays_where_what_is_below_turns_away(through):
+    """Seen from below the slope of the map: the base is cut, whatever it lets through."""
+    wo, wi = upper(4000, 5), upper(4000, 6)
+    opaque = values(mapped(Principled(**BLACK, **COAT, clearcoat_normal=FLAT)), wo, wi)
+    glass = Principled(**BLACK, **COAT, **through, transmission=1.0, clearcoat_normal=FLAT)
+    normal = 2.0 * np.array(BENT) - 1.0
+    away = normal @ wo < 0.0
+    assert away.sum() > 100
+    assert opaque[:, away].max() > 0.01
+    np.testing.assert_allclose(
+        values(mapped(glass), wo, wi)[:, away], opaque[:, away], rtol=1e-4, atol=1e-6
+    )
+
+
 def test_a_coat_has_the_normals_of_its_texture():
     """Over black it is the coat that a map of the same normals bends."""
     wo, wi = upper(400, 1), upper(400, 2)
