@@ -196,7 +196,7 @@ def _is_within(target, d):
 def leads_to_disk(scene, d):
     """Mask: rays along unit directions, which leave the scene, meet the disk that is a target."""
     target = target_at(scene, lanes_u32(0) + far_light(scene))
-    return target.far & _is_within(target, d)
+    return target.far & ~target.delta & _is_within(target, d)
 
 
 @specialised
