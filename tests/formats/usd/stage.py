@@ -5,6 +5,32 @@ import numpy as np
 from alight.scene.flatten import flatten
 from tests.formats.bare import load
 
+#: A triangle with a texture, which has inputs, and other nodes beside it.
+TEXTURED = """
+def Material "m" {{
+    token outputs:surface.connect = </m/s.outputs:surface>
+    def Shader "s" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>
+        token outputs:surface
+    }}
+    def Shader "picture" {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @{file}@
+        {inputs}
+        float3 outputs:rgb
+    }}
+{nodes}
+}}
+def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0)]
+    rel material:binding = </m>
+    texCoord2f[] primvars:st = [(0, 0), ({u}, 0), ({u}, {v})] (interpolation = "vertex")
+}}
+"""
+
 
 def stage_text(text, up="Y", unit=1):
     """A stage: OpenUSD wants every statement on a line of its own."""

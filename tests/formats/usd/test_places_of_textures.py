@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.formats.usd.stage import usd_loader
+from tests.formats.usd.stage import TEXTURED, usd_loader
 
 pytest.importorskip("pxr")
 
@@ -18,34 +18,12 @@ PLACE = """
         float2 outputs:result
     }}
 """
-STAGE = """
-def Material "m" {{
-    token outputs:surface.connect = </m/s.outputs:surface>
-    def Shader "s" {{
-        uniform token info:id = "UsdPreviewSurface"
-        color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>
-        token outputs:surface
-    }}
-    def Shader "picture" {{
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @p.png@
-        float2 inputs:st.connect = <{source}>
-        float3 outputs:rgb
-    }}
-    def Shader "reader" {{
+READER = """
+    def Shader "reader" {
         uniform token info:id = "UsdPrimvarReader_float2"
         string inputs:varname = "st"
         float2 outputs:result
-    }}
-{places}
-}}
-def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0)]
-    rel material:binding = </m>
-    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1)] (interpolation = "vertex")
-}}
+    }
 """
 
 
@@ -63,7 +41,9 @@ def test_each_transform_scales_turns_and_moves_what_the_one_before_it_gives(coun
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         x, y = (expected * scale).T
         expected = np.stack([c * x - s * y, s * x + c * y], axis=1) + shift
-    text = STAGE.format(source=source, places=places).replace("place ", "place")
+    inputs, nodes = f"float2 inputs:st.connect = <{source}>", READER + places
+    text = TEXTURED.format(file="p.png", inputs=inputs, nodes=nodes, u=1, v=1)
+    text = text.replace("place ", "place")
     scene = usd_loader(tmp_path)(text)
     texture = next(iter(scene.bsdfs.values())).bsdf.base_color
     matrix = texture.lookup()

@@ -8,33 +8,10 @@ import pytest
 from PIL import Image, PngImagePlugin
 
 from alight.formats import load
-from tests.formats.usd.stage import stage_text
+from tests.formats.usd.stage import TEXTURED, stage_text
 
 pytest.importorskip("pxr")
 
-STAGE = """
-def Material "m" {{
-    token outputs:surface.connect = </m/s.outputs:surface>
-    def Shader "s" {{
-        uniform token info:id = "UsdPreviewSurface"
-        color3f inputs:diffuseColor.connect = </m/picture.outputs:rgb>
-        token outputs:surface
-    }}
-    def Shader "picture" {{
-        uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @{file}@
-        {wraps}
-        float3 outputs:rgb
-    }}
-}}
-def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
-    int[] faceVertexCounts = [3]
-    int[] faceVertexIndices = [0, 1, 2]
-    point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0)]
-    rel material:binding = </m>
-    texCoord2f[] primvars:st = [(0, 0), ({u}, 0), ({u}, {v})] (interpolation = "vertex")
-}}
-"""
 WRAPS = ("repeat", "mirror", "clamp")
 #: As OpenEXR's standard attribute calls them.
 EXR_WORDS = {"repeat": "periodic", "mirror": "mirror", "clamp": "clamp"}
@@ -46,7 +23,7 @@ def read(tmp_path):
 
     def run(file, u=1.0, v=1.0, **own):
         wraps = "\n        ".join(f'token inputs:{key} = "{own[key]}"' for key in own)
-        text = stage_text(STAGE.format(file=file, wraps=wraps, u=u, v=v))
+        text = stage_text(TEXTURED.format(file=file, inputs=wraps, nodes="", u=u, v=v))
         (tmp_path / "a.usda").write_text(text)
         scene = load(tmp_path / "a.usda")
         texture = next(iter(scene.bsdfs.values())).bsdf.base_color
