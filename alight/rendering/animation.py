@@ -210,7 +210,9 @@ class Animation:
             try:
                 for current in self.numbers:
                     self.current = current
-                    for number in islice(waiting, many - len(begun)):
+                    # A frame that failed ends the animation when its turn comes: none is begun.
+                    failed = any(frame.done() and frame.exception() for frame in begun)
+                    for number in islice(waiting, 0 if failed else many - len(begun)):
                         begun.append(pool.submit(self._frame, number, crew))
                     yield begun.popleft().result()
             except BaseException:

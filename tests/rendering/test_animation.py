@@ -127,12 +127,17 @@ def test_two_frames_in_work_give_what_one_gives(tmp_path):
 
 @pytest.mark.parametrize("at_once", [1, 2])
 def test_no_frame_is_begun_after_one_that_fails(tmp_path, monkeypatch, at_once):
-    begun, render = [], animation.main_loop.render_film
+    begun, render, failed = [], animation.main_loop.render_film, threading.Event()
 
     def failing(scene, options, executor):
         begun.append(scene)
         if len(begun) == 2:
+            failed.set()
             raise alight.OutputError("broken")
+        if at_once == 2:
+            # The first is in work until the other has failed, and is done after it.
+            assert failed.wait(60.0)
+            time.sleep(0.2)
         return render(scene, options, executor)
 
     monkeypatch.setattr(animation.main_loop, "render_film", failing)
@@ -141,7 +146,7 @@ def test_no_frame_is_begun_after_one_that_fails(tmp_path, monkeypatch, at_once):
     with pytest.raises(alight.OutputError, match="broken"):
         words = {**SMALL, "threads": at_once, "turntable": True}
         alight.animate("cornell-box", **words, frames="0:9", output=kept)
-    assert len(begun) <= 1 + at_once
+    assert len(begun) == 2
     assert kept.read_bytes() == b"what was there before"
     assert frames_of(tmp_path) == ["f.apng"]
 
