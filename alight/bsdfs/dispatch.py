@@ -7,6 +7,8 @@ lanes has another one:
 
 .. math:: f = \sum_i s_i f_i, \qquad p = \sum_i s_i p_i
 
+A model that is seen from one side only has the share 0 on the other.
+
 To sample, one model is chosen with its share as probability; then, unless it is a delta lobe, the
 others are evaluated for the direction too.
 
@@ -22,7 +24,10 @@ from __future__ import annotations
 from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH
 from alight.bsdfs.model import BsdfValue
 from alight.bsdfs.switch import (
+    BACK_ONLY,
+    FRONT_ONLY,
     MIXED,
+    OTHER_BACK,
     albedo_row,
     evaluate_row,
     has_null,
@@ -71,6 +76,24 @@ def _layer(scene, surface, i, more):
     return where(more, row, surface.bsdf), share
 
 
+@specialised
+def _layer_seen(program):
+    """``(scene, surface, wo, i, more) -> (row, share)``: `_layer` as it is seen from a side."""
+    return _layer_of_side if OTHER_BACK in program.bsdfs else _layer_of_any_side
+
+
+@kernel
+def _layer_of_any_side(scene, surface, wo, i, more):
+    return _layer(scene, surface, i, more)
+
+
+@kernel
+def _layer_of_side(scene, surface, wo, i, more):
+    row, share = _layer(scene, surface, i, more)
+    hidden = where(wo.z < 0.0, lanes_u32(FRONT_ONLY), lanes_u32(BACK_ONLY))
+    return row, where((material_flags(scene, row) & hidden) != 0, 0.0, share)
+
+
 @kernel
 def _count(scene, surface):
     """How many models the material of a surface is made of."""
@@ -97,7 +120,7 @@ def _evaluate_layers(scene, surface, wo, wi, active):
     count, i = _count(scene, surface), lanes_u32(0)
     more = active & (count > i)
     while any_lane(more):
-        row, share = _layer(scene, surface, i, more)
+        row, share = _layer_seen(scene, surface, wo, i, more)
         more = more & (share > 0.0)
         f_cos, pdf = evaluate_row(scene, surface, row, wo, wi, more)
         both = BsdfValue(total.f_cos + f_cos * share, total.pdf + pdf * share)
@@ -122,13 +145,13 @@ def _sample_one(scene, surface, wo, u, u2, active):
 
 
 @kernel
-def _choose_layer(scene, surface, u, active):
+def _choose_layer(scene, surface, wo, u, active):
     """(row, share, u rescaled) of one of the models, with its share as probability."""
     row, share, rest = surface.bsdf, lanes(1.0), u
     count, i, before = _count(scene, surface), lanes_u32(0), lanes(0.0)
     more = active & (count > i)
     while any_lane(more):
-        row_new, share_new = _layer(scene, surface, i, more)
+        row_new, share_new = _layer_seen(scene, surface, wo, i, more)
         # The last one that begins at or before u, so that rounding of the sum leaves no gap.
         mine = more & (share_new > 0.0) & (u >= before)
         row = where(mine, row_new, row)
@@ -142,7 +165,7 @@ def _choose_layer(scene, surface, u, active):
 
 @kernel
 def _sample_layers(scene, surface, wo, u, u2, active):
-    row, share, rest = _choose_layer(scene, surface, u, active)
+    row, share, rest = _choose_layer(scene, surface, wo, u, active)
     found = sample_row(scene, surface, row, wo, rest, u2, active)
     found = replace(found, pdf=found.pdf * share)
     # Of a delta lobe the share cancels: share * f / (share * pmf). A smooth direction might have
@@ -162,22 +185,22 @@ def _sample_layers(scene, surface, wo, u, u2, active):
 
 @specialised
 def albedo_bsdf(program):
-    """``(scene, surface, active) -> Vec3``: the colour of a material, without light and angle."""
+    """``(scene, surface, wo, active) -> Vec3``: the colour of a side, without light and angle."""
     return _albedo_layers if LAYERED_NAME in program.bsdfs else _albedo_one
 
 
 @kernel
-def _albedo_one(scene, surface, active):
+def _albedo_one(scene, surface, wo, active):
     return albedo_row(scene, surface, surface.bsdf, active)
 
 
 @kernel
-def _albedo_layers(scene, surface, active):
+def _albedo_layers(scene, surface, wo, active):
     value = lanes_vec3(0.0)
     count, i = _count(scene, surface), lanes_u32(0)
     more = active & (count > i)
     while any_lane(more):
-        row, share = _layer(scene, surface, i, more)
+        row, share = _layer_seen(scene, surface, wo, i, more)
         value = where(more, value + albedo_row(scene, surface, row, more) * share, value)
         i = i + 1
         more = active & (count > i)

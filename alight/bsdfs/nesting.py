@@ -33,11 +33,14 @@ class Part(NamedTuple):
         All of the light, the part that the outer material's weight says, or the rest of it.
     is_hole : bool
         Nothing is there, seen from both sides.
+    side : {"", "front", "back"}
+        The only side that it is seen from, if not both.
     """
 
     bsdf: Bsdf | str
     share: str = "all"
     is_hole: bool = False
+    side: str = ""
 
 
 class Nested(Bsdf):
@@ -70,6 +73,10 @@ class Nested(Bsdf):
         """What it is made of."""
         raise NotImplementedError
 
+    def problem_of(self, nested: Bsdf | str, known: Mapping[str, Bsdf]) -> str | None:
+        """Say why a material can be no part of this one; names that are not known pass."""
+        return None
+
     def largest_weight(self) -> float | None:
         """Bound of f cos / pdf: densities are mixed with the same shares as the values."""
         return largest_of(
@@ -91,12 +98,15 @@ class Leaf(NamedTuple):
         Its share is their product: the weight of each, or where True, 1 - weight.
     relief : Nested, optional
         The innermost material above it that bends normals.
+    side : {"", "front", "back"}
+        The only side that it is seen from, if not both.
     """
 
     bsdf: Bsdf
     two_sided: bool = False
     factors: tuple[tuple[Nested, bool], ...] = ()
     relief: Nested | None = None
+    side: str = ""
 
 
 def leaves(spec: Bsdf) -> Iterator[Leaf]:
@@ -109,9 +119,13 @@ def leaves(spec: Bsdf) -> Iterator[Leaf]:
             raise ValueError(f"the name {part.bsdf!r} must be resolved before compiling")
         own = () if part.share == "all" else ((spec, part.share == "rest"),)
         for leaf in leaves(part.bsdf):
+            # What is made two-sided shows its front to both sides.
+            if spec.makes_two_sided and leaf.side == "back":
+                continue
+            side = part.side if spec.makes_two_sided else leaf.side
             two_sided = leaf.two_sided or spec.makes_two_sided
             relief = leaf.relief or (spec if spec.bends_normals else None)
-            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, relief)
+            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, relief, side)
 
 
 def is_matte(spec: Bsdf) -> bool:
@@ -175,6 +189,14 @@ def find_transmissive(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> Bsdf | Non
         if found is not None:
             return found
     return None
+
+
+def has_holes(spec: Bsdf | str, known: Mapping[str, Bsdf]) -> bool:
+    """Whether a material has holes; names that are not known are skipped."""
+    if isinstance(spec, str):
+        return spec in known and has_holes(known[spec], known)
+    parts = spec.parts if isinstance(spec, Nested) else ()
+    return any(part.is_hole or has_holes(part.bsdf, known) for part in parts)
 
 
 def scatters_inside(spec: Bsdf | str, known: Mapping[str, Bsdf] | None = None) -> bool:

@@ -31,11 +31,13 @@ from lanewise.simd import (
 )
 
 #: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
-#: part of it, disperses light; its coat has normals of its own; and from bit `RELIEF` on, the row
-#: of its normal or bump map + 1.
-TWO_SIDED, MIXED, SPREADS, COATED_APART, RELIEF = 1, 2, 4, 8, 4
+#: part of it, disperses light; its coat has normals of its own; it is seen from the front only, or
+#: from the back only; and from bit `RELIEF` on, the row of its normal or bump map + 1.
+TWO_SIDED, MIXED, SPREADS, COATED_APART, FRONT_ONLY, BACK_ONLY, RELIEF = 1, 2, 4, 8, 16, 32, 6
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
+#: What programs call it that there are models that are seen from one side only.
+OTHER_BACK = "other_back"
 
 
 @kernel
@@ -45,7 +47,7 @@ def _kind(scene, row):
 
 @kernel
 def material_flags(scene, row):
-    """Bits `TWO_SIDED`, `MIXED` and `SPREADS` of a material."""
+    """Bits `TWO_SIDED` to `BACK_ONLY` of a material, and its relief."""
     return gather(scene.materials.info, 2 * row + 1)
 
 

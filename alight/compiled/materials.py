@@ -21,7 +21,17 @@ from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import COATED_APART, MIXED, RELIEF, SAME_BACK, SPREADS, TWO_SIDED
+from alight.bsdfs.switch import (
+    BACK_ONLY,
+    COATED_APART,
+    FRONT_ONLY,
+    MIXED,
+    OTHER_BACK,
+    RELIEF,
+    SAME_BACK,
+    SPREADS,
+    TWO_SIDED,
+)
 from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable
 from alight.core.spec import Bsdf, Texture
@@ -123,6 +133,9 @@ class _Rows:
         self.used |= {name, *features} | ({SAME_BACK} if leaf.two_sided else set())
         flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
         flags |= SPREADS * _spreads(leaf) | COATED_APART * (OWN_COAT in features)
+        if leaf.side:
+            self.used.add(OTHER_BACK)
+            flags |= FRONT_ONLY if leaf.side == "front" else BACK_ONLY
         if leaf.relief is not None:
             self.used |= set(BSDFS[leaf.relief.type_name()].features(leaf.relief))
             flags |= (self.reliefs[leaf.relief] + 1) << RELIEF
@@ -169,9 +182,9 @@ def _spreads(leaf: Leaf) -> bool:
 
 
 def _weighing(spec: Bsdf) -> Bsdf:
-    """The outermost material with a weight in its row."""
+    """The outermost material with a weight in its row; without one, a model."""
     while isinstance(spec, Nested) and not spec.weight_field:
-        (part,) = spec.parts
+        part = spec.parts[0]
         assert isinstance(part.bsdf, Bsdf)
         spec = part.bsdf
     return spec

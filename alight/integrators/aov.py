@@ -172,7 +172,8 @@ def first_hit(scene, layer, path, hit, surface):
     """Value of a layer that looks at the first surface only."""
     value = lanes_vec3(0.0)
     if layer == ALBEDO:
-        value = albedo_bsdf(scene, surface, path.active & (hit.t < INFINITY))
+        wo = to_local(surface, -path.d)
+        value = albedo_bsdf(scene, surface, wo, path.active & (hit.t < INFINITY))
     elif layer == NORMAL:
         value = surface.ns
     elif layer == GEOMETRIC_NORMAL:
@@ -213,7 +214,7 @@ def _write_follow_delta(program):
             passes = passes & ~(max_component(weight) <= 0.0)
             # Beside delta lobes the albedo of the whole material would count them twice.
             smooth = is_mixed(scene, surface) & ((flags & DELTA) == 0)
-            albedo = where(smooth, weight, albedo_bsdf(scene, surface, active))
+            albedo = where(smooth, weight, albedo_bsdf(scene, surface, wo, active))
             for layer in range(ALBEDO_THROUGH, NORMAL_THROUGH + 1):
                 if film.wanted & (1 << layer) != 0:
                     value = white * surface.ns

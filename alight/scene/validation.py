@@ -11,7 +11,6 @@ from alight.bsdfs.nesting import (
     Nested,
     count_leaves,
     count_levels,
-    find_transmissive,
     leaves_problem,
     levels_problem,
     names_in,
@@ -82,7 +81,7 @@ class _Checker:
     wrong_textures: set[str] = field(default_factory=set)
     steps: dict[str, int] = field(default_factory=dict)
     # Materials that something makes two-sided, and where.
-    two_sided: list[tuple[str, Bsdf | str]] = field(default_factory=list)
+    two_sided: list[tuple[str, Nested, Bsdf | str]] = field(default_factory=list)
 
     def report(self, path: str, message: str) -> None:
         self.issues.append(Issue(path, message))
@@ -212,15 +211,13 @@ class _Checker:
         """Check that what is made two-sided has one side."""
         known = self.scene.bsdfs
         named = {name for name, spec in known.items() if makes_two_sided(spec)}
-        twice = [(path, nested) for path, nested in self.two_sided if nested in named]
+        twice = [(path, nested) for path, _, nested in self.two_sided if nested in named]
         for path, nested in twice:
             self.report(path, f'must not be two_sided itself, got "{nested}"')
-        for path, nested in () if twice else self.two_sided:
-            found = find_transmissive(nested, known)
-            if found is not None:
-                name = f'"{nested}" ({found.type_name()})'
-                name = name if isinstance(nested, str) else f'"{found.type_name()}"'
-                self.report(path, f"{name} has two sides already: use it alone")
+        for path, outer, nested in () if twice else self.two_sided:
+            problem = outer.problem_of(nested, known)
+            if problem:
+                self.report(path, problem)
 
     def check_name(self, kind: str, name: str, known: dict[str, Any], path: str) -> bool:
         if name in known:
@@ -236,7 +233,7 @@ class _Checker:
     def check_bsdf(self, bsdf: Bsdf, path: str) -> None:
         for name, value in bsdf:
             here = f"{path}.{name}"
-            if name == "bsdf":
+            if name in ("bsdf", "back") and value is not None:
                 self.check_nested(bsdf, value, here)
             elif name == "bsdfs":
                 for i, nested in enumerate(value):
@@ -254,8 +251,8 @@ class _Checker:
             self.check_bsdf(nested, path)
         else:
             self.check_name("bsdf", nested, self.scene.bsdfs, path)
-        if makes_two_sided(outer):
-            self.two_sided.append((path, nested))
+        if isinstance(outer, Nested) and makes_two_sided(outer):
+            self.two_sided.append((path, outer, nested))
 
     def check_prototypes(self) -> None:
         """Check instance names, cycles, and how many shapes they multiply to."""

@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 LAWS = "tests/laws/test_bsdfs.py"
+TWO_SIDES = "tests/physics/test_two_sides.py::test_each_side_is_that_of_its_material"
 
 SCATTERING = (
     Mutant(
@@ -45,6 +46,29 @@ SCATTERING = (
         ),
         "tests/sampling/test_dispatch.py"
         "::test_the_back_of_a_two_sided_surface_looks_like_its_front",
+    ),
+    Mutant(
+        "fronts for backs",
+        "bsdfs/dispatch.py",
+        (("where(wo.z < 0.0, lanes_u32(FRONT", "where(wo.z > 0.0, lanes_u32(FRONT"),),
+        TWO_SIDES,
+    ),
+    Mutant(
+        "two-sided surface that is chosen from both sides",
+        "bsdfs/dispatch.py",
+        (
+            (
+                "row_new, share_new = _layer_seen(scene, surface, wo, i, more)",
+                "row_new, share_new = _layer(scene, surface, i, more)",
+            ),
+        ),
+        TWO_SIDES,
+    ),
+    Mutant(
+        "back inside what shows its front twice",
+        "bsdfs/nesting.py",
+        (('if spec.makes_two_sided and leaf.side == "back"', 'if leaf.side == "none"'),),
+        TWO_SIDES,
     ),
     Mutant(
         "u for sqrt(u) in the disk",

@@ -103,6 +103,12 @@ SCENES = {
     "two-sided-glass-in-a-blend": CAMERA
     + "bsdfs: {g: {type: dielectric}, b: {type: blend, bsdfs: [mirror, g]}, mirror: {type: mirror},"
     + " t: {type: two_sided, bsdf: b}, m: {type: two_sided, bsdf: {type: mask, bsdf: b}}}\n",
+    "two-sided-holes": CAMERA
+    + "bsdfs: {h: {type: mask}, t: {type: two_sided, bsdf: h, back: {type: mirror}},"
+    + " u: {type: two_sided, back: {type: mask}}}\n",
+    "two-sided-back": CAMERA
+    + "bsdfs: {g: {type: dielectric}, t: {type: two_sided, back: g},"
+    + " u: {type: two_sided, back: t}, v: {type: two_sided, back: w}}\n",
     "cyclic-bsdfs": CAMERA
     + "bsdfs: {a: {type: mask, bsdf: b}, b: {type: blend, bsdfs: [c, a]}, c: {type: mirror}}\n",
     "too-many-leaves": CAMERA

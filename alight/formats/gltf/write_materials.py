@@ -75,6 +75,8 @@ class MaterialWriter:
             kind = bsdf.type_name()
             if kind == "two_sided":
                 made["doubleSided"] = True
+                if fields["back"] is not None:
+                    self.store.lose(f"{kind}: the back looks like the front")
             elif kind == "mask" and "alphaMode" not in made:
                 opacity = self._cut(fields["opacity"], made)
             elif kind == "normal_map" and isinstance(fields["texture"], Bitmap):

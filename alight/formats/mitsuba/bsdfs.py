@@ -64,16 +64,22 @@ def _build(context: Context, element: Element, path: str) -> Data:
 
 def _nested(draft: Draft, key: str, count: int = 1) -> None:
     """Set a key to the materials inside."""
-    report, parts = draft.context.report, draft.properties.take("bsdf", "ref")
+    parts = draft.properties.take("bsdf", "ref")
+    if _are_so_many(draft, parts, count):
+        paths = [f"{draft.path}.{key}" + (f"[{i}]" if count > 1 else "") for i in range(count)]
+        found = zip(parts, paths, strict=True)
+        built = [convert(draft.context, part, path) for part, path in found]
+        draft.put(key, built if count > 1 else built[0])
+
+
+def _are_so_many(draft: Draft, parts: list[Element], count: int) -> bool:
+    """Whether there are so many materials inside; without them a stand-in is taken."""
     if len(parts) != count:
         wanted = "one bsdf" if count == 1 else f"{count} bsdfs"
         text = f"must hold {wanted}, got {len(parts)}"
-        report.not_covered(draft.element, text, "grey diffuse 0.5 is taken")
+        draft.context.report.not_covered(draft.element, text, "grey diffuse 0.5 is taken")
         draft.data = dict(GREY)
-        return
-    paths = [f"{draft.path}.{key}" + (f"[{i}]" if count > 1 else "") for i in range(count)]
-    built = [convert(draft.context, part, path) for part, path in zip(parts, paths, strict=True)]
-    draft.put(key, built if count > 1 else built[0])
+    return len(parts) == count
 
 
 def _diffuse(draft: Draft) -> None:
@@ -276,7 +282,11 @@ def _burley_lobes(draft: Draft) -> None:
 
 
 def _two_sided(draft: Draft) -> None:
-    _nested(draft, "bsdf")
+    # The first is the front; with one alone the back looks like it.
+    parts = draft.properties.take("bsdf", "ref")
+    if _are_so_many(draft, parts, 2 if len(parts) == 2 else 1):
+        for key, part in zip(("bsdf", "back"), parts, strict=False):
+            draft.put(key, convert(draft.context, part, f"{draft.path}.{key}"))
 
 
 def _mask(draft: Draft) -> None:

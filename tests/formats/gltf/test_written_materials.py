@@ -119,3 +119,12 @@ def test_what_shines_through_a_cut_surface_is_as_bright_again(opacity, radiance,
     found = flat.shapes[0].light.radiance
     found = found.mean() if isinstance(found, Texture) else found
     np.testing.assert_allclose(np.broadcast_to(found, 3), np.broadcast_to(radiance, 3), rtol=1e-6)
+
+
+def test_a_back_that_differs_is_told_to_be_lost(tmp_path):
+    """The file says only that there is one."""
+    diffuse = {"type": "diffuse"}
+    _, _, lost = again({"type": "two_sided", "bsdf": diffuse}, tmp_path)
+    assert lost == []
+    _, _, lost = again({"type": "two_sided", "bsdf": diffuse, "back": {"type": "mirror"}}, tmp_path)
+    assert lost == ["two_sided: the back looks like the front"]

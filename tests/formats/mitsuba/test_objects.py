@@ -8,6 +8,7 @@ from tests.formats.mitsuba.reading import messages, native, node, read, read_bsd
 
 GREY = "{type: diffuse, reflectance: 0.5}"
 
+PHONG = "{type: phong, diffuse: 0.5, specular: 0.2, exponent: 30}"
 BSDFS = {
     'type="diffuse"': ("", GREY),
     'type="conductor"': ("", "{type: mirror}"),
@@ -53,6 +54,11 @@ BSDFS = {
     ),
     'type="null"': ("", "{type: 'null'}"),
 }  # fmt: skip
+
+
+def test_the_second_of_two_sides_is_the_back():
+    found = read_bsdf('<bsdf type="diffuse"/><bsdf type="phong"/>', 'type="twosided"')
+    assert found == native("bsdfs", f"{{type: two_sided, bsdf: {GREY}, back: {PHONG}}}")
 
 
 @pytest.mark.parametrize("kind", BSDFS)
