@@ -8,19 +8,19 @@ TWO_SIDES = "tests/physics/test_two_sides.py::test_each_side_is_that_of_its_mate
 SCATTERING = (
     Mutant(
         "value of a BSDF without the cosine",
-        "bsdfs/diffuse.py",
+        "bsdfs/matte/diffuse.py",
         (("cosine = where(above, INV_PI * wi.z, 0.0)", "cosine = where(above, INV_PI, 0.0)"),),
         LAWS,
     ),
     Mutant(
         "eta for eta^2 in refracted radiance",
-        "bsdfs/dielectric.py",
+        "bsdfs/dielectrics/dielectric.py",
         (("where(reflects, 1.0, 1.0 / (eta * eta))", "where(reflects, 1.0, 1.0 / eta)"),),
         LAWS,
     ),
     Mutant(
         "indices of refraction swapped",
-        "bsdfs/dielectric.py",
+        "bsdfs/dielectrics/dielectric.py",
         (
             (
                 "where(wo.z > 0.0, params.eta, 1.0 / params.eta)",
@@ -31,7 +31,7 @@ SCATTERING = (
     ),
     Mutant(
         "density of the other way of sampling",
-        "bsdfs/diffuse.py",
+        "bsdfs/matte/diffuse.py",
         (("where(above, INV_TWO_PI, 0.0)", "cosine"),),
         LAWS,
     ),
@@ -66,7 +66,7 @@ SCATTERING = (
     ),
     Mutant(
         "back inside what shows its front twice",
-        "bsdfs/nesting.py",
+        "bsdfs/composites/nesting.py",
         (('if spec.makes_two_sided and leaf.side == "back"', 'if leaf.side == "none"'),),
         TWO_SIDES,
     ),
@@ -101,7 +101,7 @@ SCATTERING = (
     ),
     Mutant(
         "a coat of Burley's with 2 % too much density",
-        "bsdfs/burley.py",
+        "bsdfs/disney/burley.py",
         (("where(right, 0.25 * d * wm.z", "where(right, 0.255 * d * wm.z"),),
         "tests/physics/test_bsdf_formulas.py"
         "::test_the_coat_of_burley_is_its_formula_in_value_and_density",

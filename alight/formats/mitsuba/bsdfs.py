@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from alight.core.errors import unknown_name
-from alight.formats.metals import METALS
+from alight.formats.materials.metals import METALS
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.media import MEDIA
@@ -17,7 +17,7 @@ from alight.formats.mitsuba.textures import (
     texture_value,
 )
 from alight.formats.mitsuba.values import NotNumbersError, parse_number
-from alight.formats.xml import Element
+from alight.formats.reading.xml import Element
 
 #: What takes the place of a material that is not covered.
 GREY: Data = {"type": "diffuse", "reflectance": [0.5, 0.5, 0.5]}

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from alight.bsdfs.bump_map import BumpMap
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.principled import Principled
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.normals.bump_map import BumpMap
 from alight.laws.materials import Material
 from alight.textures.bitmap import Bitmap
 from tests.formats.mitsuba import values
