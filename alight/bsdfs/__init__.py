@@ -7,6 +7,7 @@ from alight.bsdfs.disney import burley, burley_thin, principled
 from alight.bsdfs.fibres import hair
 from alight.bsdfs.interiors import subsurface
 from alight.bsdfs.matte import diffuse, diffuse_transmission, eon, oren_nayar, uniform_scatter
+from alight.bsdfs.measured import measured
 from alight.bsdfs.normals import bump_map, normal_map
 from alight.bsdfs.plastics import phong, plastic, rough_plastic
 
@@ -37,6 +38,7 @@ MODELS = (
     coated_conductor,
     hair,
     subsurface,
+    measured,
 )
 
 #: Of shapes that name none.

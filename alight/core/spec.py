@@ -99,6 +99,16 @@ class Bsdf(Spec):
         """Bound of f cos / pdf of sampled directions; None if none is known."""
         return None
 
+    def read(self, files: Any) -> Self:
+        """Take numbers from the file that it names, by `files.read`; pictures are for others.
+
+        Raises
+        ------
+        SceneError
+            If the file is missing or broken; its path is ``file``.
+        """
+        return self
+
 
 def largest_of(values: Iterable[float | None]) -> float | None:
     """The largest of all, at least 0; None if one is unknown."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.bsdfs.measured.measurement import Measurement
 from alight.core.errors import is_at_or_below
 from alight.core.spec import Spec
 from alight.media.volumes import Volume, holds_volume
@@ -69,7 +70,9 @@ class _Writer:
     def value(self, value: Any, path: str) -> Any:
         if isinstance(value, Spec):
             holds_arrays = isinstance(value, ArrayShape)
+            # Arrays that are written to files, and files that lie elsewhere.
             holds_file = holds_arrays or holds_image(value) or holds_volume(value)
+            holds_file = holds_file or getattr(value, "file", None) is not None
             if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
             if self.edited and not is_at_or_below(self.edited, path):
@@ -79,7 +82,7 @@ class _Writer:
             return dump_transform(value)
         if isinstance(value, dict):
             return {name: self.value(item, f"{path}.{name}") for name, item in value.items()}
-        if isinstance(value, Image | UvTransform | Volume):
+        if isinstance(value, Image | Measurement | UvTransform | Volume):
             return value if self.full else value.plain()
         if isinstance(value, np.ndarray):
             return value if self.full else dump_array(value)

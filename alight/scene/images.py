@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from alight.core.errors import Issue, SceneError, quote
 from alight.core.field_types import texture_interval
 from alight.core.fields import invalid
-from alight.core.spec import Light, Shape, Spec, Texture
+from alight.core.spec import Bsdf, Light, Shape, Spec, Texture
 from alight.outputs.primaries import foreign_primaries
 from alight.outputs.texels import SUFFIXES, read_texels
 from alight.scene.builtin.pictures import builtin_texels, is_builtin
@@ -34,7 +34,7 @@ def loaded(spec: AnySpec, files: Files) -> AnySpec:
     SceneError
         If the file is missing or broken; its path is ``file``.
     """
-    if isinstance(spec, Light):
+    if isinstance(spec, Bsdf | Light):
         spec = spec.read(files)
     name = getattr(spec, "file", None) if holds_image(spec) else None
     if name is None:

@@ -238,6 +238,7 @@ class _Checker:
             elif name == "bsdfs":
                 for i, nested in enumerate(value):
                     self.check_nested(bsdf, nested, f"{here}[{i}]")
+        self.check_image(bsdf, path)
         resolved = self.check_textured(bsdf, path)
         # Named textures and files count for the checks inside a model only once they are known.
         if not resolved.keys().isdisjoint(bsdf.shares):

@@ -70,6 +70,7 @@ SHOWN = {
         "transmittance: [0.35, 0.5, 0.1]}"
     ),
     "subsurface": "{type: subsurface, color: [0.85, 0.6, 0.45], radius: [0.2, 0.07, 0.04]}",
+    "measured": '{type: measured, file: "builtin:brushed"}',
     "two_sided": f"{{type: two_sided, bsdf: {_CLOTH}}}",
     "mask": _CLOTH,
     "null": '{type: "null"}',

@@ -5,8 +5,8 @@ import pytest
 
 from alight.bsdfs.conductors import conductor
 from alight.bsdfs.disney import thin_film
-from alight.core import rng, vec
-from alight.formats.materials import cie, metals, spectra
+from alight.core import cie, rng, spectra, vec
+from alight.formats.materials import metals
 from alight.formats.pbrt import colors
 from alight.lights import atmosphere
 from alight.metrics import comparison

@@ -5,6 +5,7 @@ Portals, several surroundings, keyframes, lamps with a profile, projectors, medi
 
 from __future__ import annotations
 
+import base64
 import io
 import random
 import struct
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from alight.bsdfs.measured.examples import satin
 from tests.formats.mutate import TEXT_MUTATIONS, Mutation, mutate_bytes
 from tests.fuzz.extremes import extreme_numbers
 
@@ -39,6 +41,7 @@ nodes:
   skylight: {light: portal, transform: [{rotate: {axis: x, angle: 90}}, {translate: [0, 2, 0]}]}
   ball: {shape: sphere, bsdf: {type: principled, metallic: 0.5, clearcoat: 1, sheen_color: 0.3,
       iridescence: 0.5}}
+  sample: {shape: disk, bsdf: {type: measured, file: sample.bsdf}}
   floor: {shape: plane, transform: [{rotate: {axis: x, angle: -90}}, {translate: [0, -1, 0]}]}
 """,
     """integrator: {type: path, light_choice: auto, max_depth: 6}
@@ -108,7 +111,11 @@ def files() -> dict[str, bytes]:
     np.save(stream, values)
     head = b"VOL\x03" + struct.pack("<5i", 1, 2, 2, 3, 1)
     volume = head + struct.pack("<6f", 0, 0, 0, 1, 1, 1) + values.tobytes()
-    return {"lamp.ies": _LAMP, "smoke.npy": stream.getvalue(), "cloud.vol": volume}
+    sample = base64.b64decode(satin().plain())
+    return {
+        "lamp.ies": _LAMP, "smoke.npy": stream.getvalue(), "cloud.vol": volume,
+        "sample.bsdf": sample,
+    }  # fmt: skip
 
 
 def write_files(folder: Path) -> None:

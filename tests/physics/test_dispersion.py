@@ -10,8 +10,10 @@ from alight.bsdfs.dielectrics.dielectric import Dielectric
 from alight.bsdfs.dielectrics.dispersion import SUBSTANCES, extremes_of, indices, spread_of
 from alight.bsdfs.switch import SPREADS
 from alight.compiled.materials import compile_materials
+from alight.core.cie import OBSERVER, WAVELENGTHS
 from alight.core.errors import SceneError
 from alight.core.registry import specs
+from alight.core.spectra import TO_SRGB
 from alight.core.wavelengths import (
     DISPERSIVE,
     LINE_C,
@@ -23,8 +25,6 @@ from alight.core.wavelengths import (
     weights_at,
 )
 from alight.formats import loads
-from alight.formats.materials.cie import OBSERVER, WAVELENGTHS
-from alight.formats.materials.spectra import TO_SRGB
 from alight.laws.statistics import LARGEST_Z
 from tests.twin import picture_of
 

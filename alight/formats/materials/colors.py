@@ -1,6 +1,6 @@
 """Colours in files of other programs: what reading them has in common, however they are spelled.
 
-A spectrum is reduced by what it is for (see `alight.formats.materials.spectra`). What a reader of
+A spectrum is reduced by what it is for (see `alight.core.spectra`). What a reader of
 one format adds is how its elements spell numbers and name spectra.
 """
 
@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 import numpy as np
 
 from alight.core.errors import quote
-from alight.formats.materials.spectra import to_linear_srgb
+from alight.core.spectra import to_linear_srgb
 from alight.formats.reading.packed import content_of
 from alight.formats.reading.reach import OutOfReachError, Reach
 

@@ -4,7 +4,7 @@ These figures stand even where `alight.bsdfs` has better ones for the same metal
 as it does there.
 
 Source: the documentation of Mitsuba 3, plug-in ``conductor``; measured spectra (Johnson and
-Christy; Palik; Sopra; Rakic), reduced to linear sRGB as `alight.formats.materials.spectra` does, to
+Christy; Palik; Sopra; Rakic), reduced to linear sRGB as `alight.core.spectra` does, to
 five digits.
 """
 

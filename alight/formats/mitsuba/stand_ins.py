@@ -16,11 +16,18 @@ from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.textures import color_or_texture
 from alight.formats.mitsuba.values import NotNumbersError, parse_numbers
+from alight.formats.reading.reach import OutOfReachError
 
 _BLACK: Data = {"type": "diffuse", "reflectance": [0.0] * 3}
 MOST_PARTS = 16
 #: Of facets, where a file gives none.
 _USUAL_ALPHA = 0.1
+
+
+#: What takes the place of measurements.
+_GREY_PLASTIC: Data = {
+    "type": "rough_plastic", "diffuse_reflectance": [0.5] * 3, "alpha": 0.3, "distribution": "ggx",
+}  # fmt: skip
 
 
 def _warn(draft: Draft, text: str) -> None:
@@ -33,10 +40,25 @@ def _polarized_plastic(draft: Draft) -> None:
 
 
 def _measured(draft: Draft) -> None:
+    p, report, reach = draft.properties, draft.context.report, draft.context.reach
+    found = p.value("filename", "string")
+    if found is None:
+        if not p.has("filename"):
+            report.error(draft.element, 'needs <string name="filename" .../>')
+        draft.data = dict(_GREY_PLASTIC)
+        return
+    try:
+        draft.put("file", reach.name_of(reach.find(found[1])), "filename")
+    except OutOfReachError as error:
+        report.lacks(found[0], error, "grey plastic is taken")
+        draft.data = dict(_GREY_PLASTIC)
+
+
+def _measured_polarized(draft: Draft) -> None:
     draft.properties.ignore("its table is not read", "filename", "alpha_sample")
     draft.properties.ignore("nothing is polarized", "wavelength")
     _warn(draft, "is not covered: grey plastic is taken")
-    draft.data |= {"diffuse_reflectance": [0.5] * 3, "alpha": 0.3, "distribution": "ggx"}
+    draft.data = dict(_GREY_PLASTIC)
 
 
 def _radio(draft: Draft) -> None:
@@ -274,8 +296,8 @@ STAND_INS: dict[str, tuple[str, Callable[[Draft], None]]] = {
     "difftrans": ("diffuse_transmission", _transmitting),
     "hair": ("hair", _hair),
     "itu-radio-material": ("diffuse", _radio),
-    "measured": ("rough_plastic", _measured),
-    "measured_polarized": ("rough_plastic", _measured),
+    "measured": ("measured", _measured),
+    "measured_polarized": ("rough_plastic", _measured_polarized),
     "mixturebsdf": ("blend", _mixture),
     "polarizer": ("mask", _polarizer),
     "pplastic": ("rough_plastic", _polarized_plastic),

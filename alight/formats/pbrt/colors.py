@@ -3,7 +3,7 @@
 pbrt 4 renders with spectra and shows them as seen by the CIE's observer; a light given as RGB
 shines as D65 of that colour, so that 1 1 1 is white, and any other spectrum of a light is scaled to
 the luminance 1 before ``scale`` or ``power`` count. Spectra of surfaces are reduced as seen in
-daylight (see `alight.formats.materials.spectra`). pbrt 3 renders in RGB and scales nothing, but
+daylight (see `alight.core.spectra`). pbrt 3 renders in RGB and scales nothing, but
 the largest value of a ``blackbody`` to 1.
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from alight.core.errors import unknown_name
+from alight.core.spectra import TO_SRGB, blackbody, to_linear_srgb
 from alight.formats.materials.colors import (
     Color,
     ColorReader,
@@ -22,7 +23,6 @@ from alight.formats.materials.colors import (
     reduced,
 )
 from alight.formats.materials.metals import METALS
-from alight.formats.materials.spectra import TO_SRGB, blackbody, to_linear_srgb
 from alight.formats.pbrt.directives import Parameter
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.report import Report

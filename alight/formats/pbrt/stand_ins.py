@@ -14,6 +14,7 @@ from alight.formats.pbrt.below import BELOW
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.materials import coat
+from alight.formats.reading.reach import OutOfReachError
 
 _GREY, _GREY_ALPHA = [0.5] * 3, 0.3
 
@@ -54,13 +55,26 @@ def _hairy(m: Making, name: str, default: float, most: float) -> float:
 
 
 def _measured(m: Making) -> Data:
-    m.p.leave_out("tables of measurements are not read", "filename", "bsdffile")
+    found = m.p.values("filename", "string", count=1)
+    try:
+        if found is not None:
+            file = m.context.reach.name_of(m.context.reach.find(found.values[0]))
+            return two_sided({"type": "measured", "file": file})
+        m.warn('has no "string filename": grey plastic is taken')
+    except OutOfReachError as error:
+        assert found is not None
+        m.p.report.lacks(found, error, "grey plastic is taken")
+    return two_sided(coat(m, _GREY_ALPHA, _GREY, 1.5, None))
+
+
+def _fourier(m: Making) -> Data:
+    m.p.leave_out("tables of measurements are not read", "bsdffile")
     m.warn("is not covered: grey plastic is taken")
     return two_sided(coat(m, _GREY_ALPHA, _GREY, 1.5, None))
 
 
 STAND_INS: dict[str, Callable[[Making], Data]] = {
-    "fourier": _measured,
+    "fourier": _fourier,
     "hair": _hair,
     "measured": _measured,
     **BELOW,

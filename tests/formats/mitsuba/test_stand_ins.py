@@ -1,11 +1,16 @@
 """What Mitsuba has and alight lacks: what takes its place, and that it is said."""
 
+import base64
 import math
 
 import numpy as np
 import pytest
 
 from alight.bsdfs.fibres.hair import Hair
+from alight.bsdfs.measured.examples import satin
+from alight.core.errors import SceneError
+from alight.formats import load
+from alight.scene import flatten
 from tests.formats.mitsuba.reading import issues, messages, node, read, read_bsdf
 
 PICTURE = '<string name="filename" value="letters.png"/>'
@@ -96,7 +101,6 @@ def test_materials_of_06_that_have_a_counterpart():
 
 
 REPLACED = {
-    "measured": ('<string name="filename" value="x.bsdf"/>', "rough_plastic"),
     "measured_polarized": ('<float name="alpha_sample" value="0.1"/>', "rough_plastic"),
     "pplastic": ('<float name="alpha" value="0.2"/>', "rough_plastic"),
     "polarizer": ("", "mask"),
@@ -114,6 +118,22 @@ def test_what_takes_their_place_is_said(kind):
     assert any(f'type="{kind}"' in text for text in scene.warnings)
     if kind == "polarizer":
         assert scene.bsdfs["it"].opacity == 0.5
+
+
+def test_measured_materials_are_read(tmp_path):
+    (tmp_path / "it.bsdf").write_bytes(base64.b64decode(satin().plain()))
+    text = (
+        '<scene version="3.0.0"><emitter type="constant"/><shape type="sphere">'
+        '<bsdf type="measured"><string name="filename" value="{}.bsdf"/></bsdf></shape></scene>'
+    )
+    (tmp_path / "a.xml").write_text(text.format("it"))
+    (found,) = flatten(load(tmp_path / "a.xml")).bsdfs
+    assert found.data == satin()
+    (tmp_path / "a.xml").write_text(text.format("other"))
+    with pytest.raises(SceneError, match=r"other\.bsdf"):
+        load(tmp_path / "a.xml")
+    scene = load(tmp_path / "a.xml", lenient=True)
+    assert any("grey plastic is taken" in text for text in scene.warnings)
 
 
 def test_textures_times_a_factor():

@@ -1,10 +1,15 @@
 """What pbrt has and alight lacks: what takes its place, and that it is said."""
 
+import base64
+
 import numpy as np
 import pytest
 
 from alight.bsdfs.fibres.hair import Hair
+from alight.bsdfs.measured.examples import satin
+from alight.formats import load
 from alight.formats.materials.substances import SUBSTANCES, diffuse_reflectance
+from alight.scene import flatten
 from tests.formats.pbrt.reading import messages, node, read, read_bsdf, read_old
 
 PICTURE = '"string filename" "letters.png"'
@@ -31,10 +36,23 @@ def test_hair_is_hair():
     np.testing.assert_allclose(found.sigma_a, (1.0, 2.0, 3.0))
 
 
-@pytest.mark.parametrize("kind", ["measured", "fourier"])
-def test_what_takes_their_place_is_said(kind):
+@pytest.mark.parametrize(
+    ("kind", "said"), [("measured", 'has no "string filename"'), ("fourier", "is not covered")]
+)
+def test_what_takes_their_place_is_said(kind, said):
     scene = read(f'Material "{kind}"\nShape "sphere"')
-    assert any(f'"{kind}" is not covered' in text for text in scene.warnings)
+    assert any(f'"{kind}" {said}' in text for text in scene.warnings)
+
+
+def test_measured_materials_are_read_and_have_two_sides(tmp_path):
+    (tmp_path / "it.bsdf").write_bytes(base64.b64decode(satin().plain()))
+    (tmp_path / "a.pbrt").write_text(
+        'Camera "perspective"\nWorldBegin\nLightSource "point"\n'
+        'Material "measured" "string filename" "it.bsdf"\nShape "sphere"'
+    )
+    (found,) = flatten(load(tmp_path / "a.pbrt")).bsdfs
+    assert found.type_name() == "two_sided"
+    assert found.bsdf.data == satin()
 
 
 def test_media_by_name_have_their_coefficients():
@@ -250,7 +268,7 @@ def test_colored_grids_keep_their_albedos():
 
 
 def test_illuminants_have_their_chromaticities():
-    from alight.formats.materials.spectra import TO_SRGB
+    from alight.core.spectra import TO_SRGB
 
     for name, x, y in (("stdillum-F4", 0.4402, 0.4031), ("stdillum-A", 0.44758, 0.40745)):
         light = node(read(f'LightSource "point" "spectrum I" "{name}"')).light

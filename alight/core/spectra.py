@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.formats.materials.cie import D65, OBSERVER, WAVELENGTHS
+from alight.core.cie import D65, OBSERVER, WAVELENGTHS
 
 TO_SRGB = np.array(
     [
@@ -56,6 +56,26 @@ def to_linear_srgb(
     curves = [np.interp(_FINE, WAVELENGTHS, OBSERVER[:, i]) for i in range(3)]
     xyz = [np.trapezoid(spectrum * curve, _FINE) / LUMINOUS for curve in curves]
     return [max(0.0, float(channel)) for channel in TO_SRGB @ xyz]
+
+
+def reflectance_weights(wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What each number of a reflectance adds to linear sRGB in daylight.
+
+    Parameters
+    ----------
+    wavelengths : (n,) float64, nm
+        Ascending; in between reflectances are linear, beyond the ends as there.
+
+    Returns
+    -------
+    (3, n) float64
+        The sum of each channel is 1: white stays white.
+    """
+    hats = np.array([np.interp(_FINE, wavelengths, hat) for hat in np.eye(len(wavelengths))])
+    light = np.interp(_FINE, WAVELENGTHS, D65)
+    curves = [np.interp(_FINE, WAVELENGTHS, OBSERVER[:, i]) * light for i in range(3)]
+    weights = TO_SRGB @ np.array([np.trapezoid(hats * curve, _FINE, axis=1) for curve in curves])
+    return weights / weights.sum(axis=1, keepdims=True)
 
 
 def blackbody(temperature: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,0 +1,1 @@
+"""Reflectances measured on real samples."""

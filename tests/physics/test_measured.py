@@ -1,0 +1,177 @@
+"""Measured materials: files of metals that are known look as these metals do."""
+
+import base64
+
+import numpy as np
+import pytest
+
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
+from alight.bsdfs.measured.examples import brushed, satin
+from alight.bsdfs.measured.measured import Measured
+from alight.bsdfs.measured.measurement import read_measurement
+from alight.bsdfs.measured.warp import Viewed, Warp, invert_warp, sample_warp, warp_tables
+from alight.core.errors import SceneError
+from alight.formats import dumps, loads
+from alight.laws.materials import Material, direction
+from alight.laws.statistics import unit_vectors
+from alight.scene import flatten
+from alight.shapes.surfaces import needs_tangents
+from lanewise.view import View
+from tests.physics.measured_files import metal, write
+
+ETA, K = (0.143, 0.3753, 1.442), (3.983, 2.3856, 1.6034)
+THETAS = np.linspace(0.0, 1.5, 13)
+QUARTER = np.linspace(-np.pi, -0.5 * np.pi, 7)
+#: Of those whose facets turn away from the viewer a coarse grid knows little.
+HEIGHTS = (0.95, 0.6, 0.3)
+
+
+@pytest.fixture(scope="module")
+def fields():
+    """A metal without a grain."""
+    return metal(0.3, ETA, K, THETAS)
+
+
+@pytest.fixture(scope="module")
+def grained():
+    """One with a grain, measured in one of four equal quarters."""
+    return metal(0.3, ETA, K, THETAS[::2], phis=QUARTER, facets=(41, 41), colors=9, alpha_y=0.6)
+
+
+def read(fields, tmp_path):
+    data, _ = read_measurement(write(tmp_path / "it.bsdf", fields))
+    return Measured(data=data)
+
+
+def difference(found, wanted):
+    """Mean of the differences over that of the values."""
+    return float(np.abs(found - wanted).mean() / wanted.mean())
+
+
+@pytest.mark.parametrize("cosine", HEIGHTS)
+def test_values_are_those_of_the_metal(fields, cosine, tmp_path):
+    wo, wi = direction(cosine, 2.0), np.abs(unit_vectors(4000, 2))
+    found, _ = Material(read(fields, tmp_path)).evaluate(wo, wi)
+    wanted, _ = Material(RoughConductor(eta=ETA, k=K, alpha=0.3)).evaluate(wo, wi)
+    # Read from grids of 65 and of 24 points, and viewers 7 degrees apart.
+    assert difference(found, wanted) < 0.04
+
+
+@pytest.mark.parametrize("azimuth", [0.4, 1.2, 2.0, -2.8, -0.3])
+def test_grain_lies_as_that_of_the_metal(grained, azimuth, tmp_path):
+    spec = RoughConductor(eta=ETA, k=K, alpha_u=0.3, alpha_v=0.6)
+    wo, wi = direction(0.7, azimuth), unit_vectors(4000, 3)
+    wi[2] = np.abs(wi[2])
+    found, _ = Material(read(grained, tmp_path)).evaluate(wo, wi)
+    wanted, _ = Material(spec).evaluate(wo, wi)
+    assert difference(found, wanted) < 0.05
+
+
+def test_only_what_has_a_grain_needs_the_tangents_of_shapes():
+    # Without it, programs may take any frame about the normal.
+    assert needs_tangents(Material(Measured(data=brushed())).program)
+    assert not needs_tangents(Material(Measured(data=satin())).program)
+
+
+def test_exchanged_directions_reflect_alike_as_far_as_was_measured(fields, tmp_path):
+    material = Material(read(fields, tmp_path))
+    a, b = (np.abs(unit_vectors(3000, seed)) for seed in (4, 5))
+    a[2], b[2] = np.maximum(a[2], 0.3), np.maximum(b[2], 0.3)
+    a, b = a / np.linalg.norm(a, axis=0), b / np.linalg.norm(b, axis=0)
+    there, back = material.evaluate(a, b)[0] / b[2], material.evaluate(b, a)[0] / a[2]
+    assert difference(there, back) < 0.05
+
+
+def test_spectra_are_reduced_in_daylight_and_it_is_said(tmp_path):
+    waves = (360.0, 500.0, 600.0, 830.0)
+    index = {"eta": (0.2,) * 4, "k": (3.0,) * 4}
+    small = {"thetas": (0.0, 1.0), "facets": (17, 17), "colors": 4}
+    grey = metal(0.5, **index, **small, wavelengths=waves)
+    same = metal(0.5, (0.2,) * 3, (3.0,) * 3, **small)
+    found, notes = read_measurement(write(tmp_path / "a.bsdf", grey))
+    wanted, none = read_measurement(write(tmp_path / "b.bsdf", same))
+    np.testing.assert_allclose(found.arrays["rgb"], wanted.arrays["rgb"], rtol=1e-5)
+    assert none == []
+    assert "4 wavelengths, 360 to 830 nm" in notes[0]
+    assert "clipped" not in notes[0]
+    # Light at one wavelength is no colour of sRGB.
+    grey["spectra"] = np.zeros((1, 2, 4, 4, 4), np.float32)
+    grey["spectra"][:, :, 1] = 1.0
+    found, notes = read_measurement(write(tmp_path / "a.bsdf", grey))
+    assert "clipped, by up to" in notes[0]
+    assert found.arrays["rgb"][0, 0, 0].max() == 0.0
+    assert found.arrays["rgb"].min() == 0.0
+
+
+def test_points_of_the_square_come_back():
+    rng = np.random.default_rng(6)
+    density = rng.random((2, 3, 7, 5)).astype(np.float32) ** 2
+    tables = warp_tables(density)
+    n = 500
+    warp = Warp(
+        View(tables.ravel().astype(np.float32)), np.uint32(0), np.uint32(tables.shape[2]),
+        np.float32(7.0), np.float32(5.0),
+    )  # fmt: skip
+    first = np.zeros(n, np.uint32)
+    parts = (rng.random(n).astype(np.float32) for _ in range(2))
+    viewed = Viewed(first, first + np.uint32(1), first + np.uint32(3), *parts)
+    u = tuple(rng.random((2, n)).astype(np.float32))
+    point, pdf = sample_warp(warp, viewed, u)
+    back, again = invert_warp(warp, viewed, point)
+    np.testing.assert_allclose(back, u, atol=2e-5)
+    np.testing.assert_allclose(again, pdf, rtol=1e-3)
+    # The whole square, by the midpoint rule on each texel's corners.
+    mean = density.mean()
+    assert 0.3 < (1.0 / pdf).mean() * mean / density.mean() < 3.0
+
+
+@pytest.mark.parametrize("data", [satin(), brushed()])
+def test_descriptions_hold_the_measurement_itself(data, tmp_path):
+    scene = """{alight: 1, camera: {fov: 30}, nodes: {it: {shape: sphere, bsdf: {type: measured,
+        %s}}, lamp: {light: point}}}"""
+    (tmp_path / "it.bsdf").write_bytes(base64.b64decode(data.plain()))
+    named = flatten(loads(scene % "file: it.bsdf", "a.yaml", tmp_path))
+    (found,) = named.bsdfs
+    assert found.data == data
+    whole = loads(scene % f"data: {data.plain()}", "a.yaml")
+    assert whole.nodes["it"].bsdf.data == data
+    assert loads(dumps(whole)).nodes["it"].bsdf.data == data
+
+
+WRONG = {
+    "nothing": (lambda f: None, "needs the field ndf"),
+    "more azimuths": (lambda f: f.update(phi_i=np.zeros(2, "f4")), "as many rows as phi_i"),
+    "descending": (lambda f: f.update(theta_i=f["theta_i"][::-1].copy()), "theta_i must ascend"),
+    "not finite": (lambda f: f.update(ndf=f["ndf"] * np.float32(np.nan)), "ndf must be finite"),
+    "dark": (lambda f: f.update(sigma=0 * f["sigma"]), "sigma must be > 0 somewhere"),
+    "flat": (lambda f: f.update(vndf=f["vndf"][0, 0]), "vndf must have 4 dimensions"),
+    "narrow": (lambda f: f.update(ndf=f["ndf"][:1]), "ndf must have at least 2 x 2 texels"),
+    "large": (lambda f: f.update(rgb=f["rgb"][..., :2].copy()), "equally large"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_measurements_are_refused(name, tmp_path):
+    fields = metal(0.5, ETA, K, (0.0, 1.0), facets=(9, 9), colors=3)
+    change, said = WRONG[name]
+    change(fields)
+    if name == "nothing":
+        del fields["ndf"]
+    with pytest.raises(SceneError, match=said):
+        read(fields, tmp_path)
+
+
+def test_broken_files_are_refused(tmp_path):
+    path = write(tmp_path / "a.bsdf", metal(0.5, ETA, K, (0.0, 1.0), facets=(9, 9), colors=3))
+    whole = path.read_bytes()
+    for data, said in (
+        (b"ply\n", "no tensor file"),
+        (whole[:40], "ends within its table"),
+        (whole[:-5], "reaches beyond the end"),
+        (whole[:12] + b"\x07" + whole[13:], "version 7.0"),
+    ):
+        path.write_bytes(data)
+        with pytest.raises(SceneError, match=said):
+            read_measurement(path)
+    with pytest.raises(SceneError, match="no such file"):
+        read_measurement(tmp_path / "b.bsdf")
