@@ -17,6 +17,7 @@ from alight.formats.reading.reach import Reach
 from alight.formats.reading.report import Report
 from alight.formats.scenes.model_scene import Data, ModelScene
 from alight.meshes import ply, stl
+from alight.meshes.ply_header import parse_header
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
 from alight.scene.meshes import mesh_of
@@ -67,13 +68,21 @@ def _parse(
 
 def _say_what_is_left_out(data: bytes, report: Report) -> None:
     """Name the columns of a PLY file that nothing is made of."""
-    _, elements, _ = ply.parse_header(data)
+    _, elements, _ = parse_header(data)
+    vertices = {
+        c.name for element in elements if element.name == "vertex" for c in element.properties
+    }
+    painted = any(vertices.issuperset(names) for names in ply.NAMES["colors"])
     for element in elements:
         names = {column.name for column in element.properties if element.count}
         left = sorted(names - _READ.get(element.name, set()))
+        if element.name == "face" and not painted:
+            left = [name for name in left if name not in chain(*ply.NAMES["colors"])]
         colors = [name for name in left if name in _COLORS]
         if colors:
             shown = f"{', '.join(colors)} of element {element.name}"
-            report.approximate(f"{shown}: left out; colours are read of vertices, without opacity")
+            report.approximate(
+                f"{shown}: left out; those of vertices are read, or else of faces, without opacity"
+            )
         if rest := [name for name in left if name not in _COLORS]:
             report.drop(f"{', '.join(rest)} of element {element.name}: not read")

@@ -15,19 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.core.errors import quote, unknown_name
+from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
 from alight.meshes.concave import cut_polygons
+from alight.meshes.face_colors import with_face_colors
+from alight.meshes.ply_header import Element, Property, parse_header
 from alight.meshes.strips import triangles_of
 from alight.meshes.triangles import MeshArrays, broken, fan, srgb_to_linear
 
-TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
-    "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
-    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
-    "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
-}  # fmt: skip
-ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 NAMES = {
     "normals": (("nx", "ny", "nz"),),
     "uvs": (("u", "v"), ("s", "t"), ("texture_u", "texture_v"), ("texture_s", "texture_t")),
@@ -35,30 +30,6 @@ NAMES = {
 }
 #: Further sets of texture coordinates, as `save` writes them.
 MORE_UVS = tuple((f"u{number}", f"v{number}") for number in range(1, MOST_SETS))
-LONGEST_HEADER = 100_000
-
-
-@dataclass(frozen=True)
-class Property:
-    """One column of an element; `length` is the type of a list's count, or empty."""
-
-    name: str
-    kind: str
-    length: str = ""
-
-
-@dataclass(frozen=True)
-class Element:
-    """One table of a file."""
-
-    name: str
-    count: int
-    properties: tuple[Property, ...]
-
-    @property
-    def has_lists(self) -> bool:
-        """Whether rows differ in length."""
-        return any(column.length for column in self.properties)
 
 
 @dataclass(frozen=True)
@@ -105,52 +76,6 @@ def read(data: bytes) -> MeshArrays:
     if "vertex" not in tables:
         raise broken("has no element vertex")
     return _assemble(tables["vertex"], tables.get("face", {}), tables.get("tristrips", {}))
-
-
-def parse_header(data: bytes) -> tuple[str, list[Element], int]:
-    """Read the header: byte order ("" for ascii), elements, position of the data."""
-    end = data.find(b"end_header", 0, LONGEST_HEADER)
-    if not data.startswith(b"ply") or end < 0:
-        raise broken("is not a PLY file: it must start with ply and have an end_header")
-    start = data.find(b"\n", end) + 1 or len(data)
-    order: str | None = None
-    elements: list[Element] = []
-    lines = data[:end].decode("latin-1").replace("\r", "\n").split("\n")
-    for number, line in enumerate(lines, 1):
-        words = line.split()
-        if not words or words[0] in ("ply", "comment", "obj_info"):
-            continue
-        if words[0] == "format" and len(words) > 1:
-            if words[1] not in ORDERS:
-                raise broken(unknown_name("format", words[1], ORDERS))
-            order = ORDERS[words[1]]
-        elif words[0] == "element" and len(words) == 3 and words[2].isdecimal():
-            # A row takes at least one byte, so a larger count is a lie.
-            if len(words[2]) > 12 or int(words[2]) > len(data):
-                raise broken(f"claims {words[2][:20]} {words[1]} rows in {len(data)} bytes")
-            elements.append(Element(words[1], int(words[2]), ()))
-        elif words[0] == "property" and elements:
-            last = elements[-1]
-            column = _parse_property(words, number)
-            elements[-1] = Element(last.name, last.count, (*last.properties, column))
-        else:
-            raise broken(f"header line {number} makes no sense: {quote(line)}")
-    if order is None:
-        raise broken("header names no format")
-    return order, elements, start
-
-
-def _parse_property(words: list[str], number: int) -> Property:
-    kinds = words[2:4] if len(words) == 5 and words[1] == "list" else words[1:2]
-    if len(words) != (5 if len(kinds) == 2 else 3):
-        raise broken(f"header line {number} makes no sense: {quote(' '.join(words))}")
-    for kind in kinds:
-        if kind not in TYPES:
-            raise broken(f"header line {number}: {unknown_name('type', kind, TYPES)}")
-    if len(kinds) == 2 and TYPES[kinds[0]][0] == "f":
-        raise broken(f"header line {number}: a list's length must be a whole number type")
-    length = TYPES[kinds[0]] if len(kinds) == 2 else ""
-    return Property(words[-1], TYPES[kinds[-1]], length)
 
 
 def _read_binary(data: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
@@ -307,13 +232,14 @@ def _assemble(vertex: Table, face: Table, strips: Table) -> MeshArrays:
     if vertices is None:
         raise broken("element vertex has no x, y, z")
     indices, in_strips, faces = _lists(face), _lists(strips), np.zeros((0, 3), np.int32)
+    polygons = np.zeros(0, np.int64)
     if indices is not None:
-        corners, _ = fan(indices.sizes)
+        corners, polygons = fan(indices.sizes)
         faces = _to_indices(indices.values[corners], len(vertices))
         if indices.sizes.max(initial=0) > 3:
             # Corners of what is too small for a triangle have not been looked at.
             known = np.clip(indices.values, 0, len(vertices) - 1).astype(np.int64)
-            corners, _ = cut_polygons(vertices[known], indices.sizes)
+            corners, polygons = cut_polygons(vertices[known], indices.sizes)
             faces = _to_indices(indices.values[corners], len(vertices))
     if in_strips is not None:
         more = triangles_of(in_strips.values, in_strips.sizes)
@@ -321,12 +247,26 @@ def _assemble(vertex: Table, face: Table, strips: Table) -> MeshArrays:
     found = {
         name: next((c for c in (_columns(vertex, n) for n in names) if c is not None), None)
         for name, names in NAMES.items()
+        if name != "colors"
     }
-    colors = found["colors"]
-    if colors is not None and _are_whole_numbers(vertex):
-        colors = srgb_to_linear(colors / np.float32(255.0))
     more = None if found["uvs"] is None else _more_uvs(vertex)
-    return MeshArrays(vertices, faces, found["normals"], found["uvs"], colors, more)
+    colors = _colors(vertex)
+    mesh = MeshArrays(vertices, faces, found["normals"], found["uvs"], colors, more)
+    of_faces = _colors(face) if colors is None and in_strips is None else None
+    if of_faces is None or not len(faces):
+        return mesh
+    return with_face_colors(mesh, of_faces[polygons])
+
+
+def _colors(table: Table) -> NDArray[np.float32] | None:
+    """Linear colours of vertices or faces."""
+    for names in NAMES["colors"]:
+        colors = _columns(table, names)
+        if colors is not None:
+            column = table[names[0]]
+            is_whole = isinstance(column, np.ndarray) and column.dtype.kind in "ui"
+            return srgb_to_linear(colors / np.float32(255.0)) if is_whole else colors
+    return None
 
 
 def _lists(table: Table) -> Ragged | None:
@@ -354,12 +294,6 @@ def _columns(table: Table, names: tuple[str, ...]) -> NDArray[np.float32] | None
     # float64 values beyond float32 become infinite here and are reported with their row.
     with np.errstate(over="ignore", invalid="ignore"):
         return np.ascontiguousarray(np.stack(columns, axis=1), dtype=np.float32)
-
-
-def _are_whole_numbers(vertex: Table) -> bool:
-    """Whether colours are stored as 0 to 255."""
-    column = next(vertex[names[0]] for names in NAMES["colors"] if names[0] in vertex)
-    return isinstance(column, np.ndarray) and column.dtype.kind in "ui"
 
 
 def _to_indices(values: NDArray[Any], count: int) -> NDArray[np.int32]:

@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 LAWS = "tests/laws/test_bsdfs.py"
+MEASURED = "tests/physics/test_measured.py"
 TWO_SIDES = "tests/physics/test_two_sides.py::test_each_side_is_that_of_its_material"
 
 SCATTERING = (
@@ -69,6 +70,52 @@ SCATTERING = (
         "bsdfs/composites/nesting.py",
         (('if spec.makes_two_sided and leaf.side == "back"', 'if leaf.side == "none"'),),
         TWO_SIDES,
+    ),
+    Mutant(
+        "azimuths of measured facets not from that of the viewer",
+        "bsdfs/measured/measured.py",
+        (
+            (
+                "_to_square(elevation, arctan2(wm.y, wm.x) - turned)",
+                "_to_square(elevation, arctan2(wm.y, wm.x))",
+            ),
+        ),
+        f"{MEASURED}::test_values_are_those_of_the_metal[0.6]",
+    ),
+    Mutant(
+        "half of the measured quarters taken for the other",
+        "bsdfs/measured/measured.py",
+        (("x = where(turns >= 4.0, -copysign(1.0, wo.x), y)", "x = y"),),
+        f"{MEASURED}::test_grain_lies_as_that_of_the_metal",
+    ),
+    Mutant(
+        "measured grain without the tangents of shapes",
+        "bsdfs/measured/measured.py",
+        (("return (ANISOTROPIC,) if turns else ()", "return ()"),),
+        f"{MEASURED}::test_only_what_has_a_grain_needs_the_tangents_of_shapes",
+    ),
+    Mutant(
+        "measured directions of the viewer not mixed",
+        "bsdfs/measured/warp.py",
+        (("return a + viewed.of_elevation * (b - a)", "return a"),),
+        f"{MEASURED}::test_values_are_those_of_the_metal[0.6]",
+    ),
+    Mutant(
+        "wrong root within a texel",
+        "bsdfs/measured/warp.py",
+        (("a * a + 2.0 * (b - a) * rest", "a * a + (b - a) * rest"),),
+        f"{MEASURED}::test_points_of_the_square_come_back",
+    ),
+    Mutant(
+        "reflected spectra seen in no daylight",
+        "core/spectra.py",
+        (
+            (
+                "return weights / weights.sum(axis=1, keepdims=True)",
+                "return weights / weights.sum()",
+            ),
+        ),
+        f"{MEASURED}::test_spectra_are_reduced_in_daylight_and_it_is_said",
     ),
     Mutant(
         "u for sqrt(u) in the disk",
