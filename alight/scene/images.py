@@ -105,8 +105,7 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
         if is_builtin(name):
             texels = builtin_texels(name)
         else:
-            texels = read_texels(path, _check_size)
-            _say_primaries(path, name, note)
+            texels = _with_our_primaries(read_texels(path, _check_size), path, name, note)
         texels = _without_negative_light(texels, name, note)
         # Nobody else has this array: marked so, it is not copied.
         texels.setflags(write=False)
@@ -121,15 +120,26 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
     raise SceneError([Issue("file", text)])
 
 
-def _say_primaries(path: Path, name: str, note: Callable[[str], None] | None) -> None:
-    if note is None or path.suffix.lower() != ".exr":
-        return
-    primaries = foreign_primaries(path)
-    if primaries:
-        note(
-            f"{quote(name)}: its primaries are not those of sRGB ({primaries}), and its numbers "
-            "were taken as they are: convert colours to linear sRGB"
-        )
+def _with_our_primaries(
+    texels: NDArray[Any], path: Path, name: str, note: Callable[[str], None] | None
+) -> NDArray[Any]:
+    """Texels in linear sRGB, where an OpenEXR file says that they are in another space."""
+    colored = texels.ndim == 3 and texels.shape[2] >= 3 and texels.dtype.kind == "f"
+    primaries = foreign_primaries(path) if colored and path.suffix.lower() == ".exr" else None
+    if primaries is None:
+        return texels
+    said = f"{quote(name)}: its primaries are not those of sRGB ({primaries.name})"
+    if primaries.to_srgb is None:
+        note = note or (lambda text: None)
+        note(f"{said} and span no space: its numbers were taken as they are")
+        return texels
+    if note is not None:
+        note(f"{said}: its colours were converted")
+    turned = texels.astype(np.float32)
+    # Large numbers may overflow; who checks the texels tells of them.
+    with np.errstate(over="ignore", invalid="ignore"):
+        turned[..., :3] = texels[..., :3] @ primaries.to_srgb.T.astype(np.float32)
+    return turned
 
 
 def _without_negative_light(

@@ -1,4 +1,4 @@
-"""Pictures in other colour spaces than sRGB: told, since their numbers are not converted."""
+"""Pictures in other colour spaces than sRGB: their colours are converted, and it is said."""
 
 import numpy as np
 import pytest
@@ -16,16 +16,29 @@ P3 = (0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.314, 0.351)
 ODD = (0.6, 0.3, 0.2, 0.7, 0.1, 0.05, 0.3127, 0.329)
 
 
-def notes_of(folder, chromaticities):
+#: Published matrices to linear sRGB: of ACES with Bradford's adaptation, and of ITU-R BT.2087.
+FROM_AP1 = [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055],
+            [-0.02400, -0.12897, 1.15297]]  # fmt: skip
+FROM_BT2020 = [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]]
+
+
+def read(folder, chromaticities, pixels):
+    """What is read of a file, and what is said."""
     path = folder / "a.exr"
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     if chromaticities:
         header["chromaticities"] = chromaticities
-    pixels = np.full((2, 4, 3), 0.25, np.float32)
     with OpenEXR.File(header, {"RGB": pixels}) as file:
         file.write(str(path))
     notes = []
-    np.testing.assert_array_equal(read_image(path, "a.exr", notes.append).texels, pixels)
+    return read_image(path, "a.exr", notes.append).texels, notes
+
+
+def notes_of(folder, chromaticities):
+    grey = np.full((2, 4, 3), 0.25, np.float32)
+    texels, notes = read(folder, chromaticities, grey)
+    # White stays white, whatever the file's own is.
+    np.testing.assert_allclose(texels, grey, atol=1e-6)
     return notes
 
 
@@ -37,6 +50,25 @@ def notes_of(folder, chromaticities):
 def test_other_primaries_are_told(tmp_path, chromaticities, name):
     (note,) = notes_of(tmp_path, chromaticities)
     assert note.startswith(f'"a.exr": its primaries are not those of sRGB ({name})')
+
+
+@pytest.mark.parametrize(
+    ("chromaticities", "matrix"), [(AP1, FROM_AP1), (BT2020, FROM_BT2020)], ids=["AP1", "BT2020"]
+)
+def test_colours_are_converted(tmp_path, chromaticities, matrix):
+    colors = np.array([[[0.5, 0.4, 0.3], [0.3, 0.35, 0.4]]], np.float32)
+    texels, notes = read(tmp_path, chromaticities, colors)
+    np.testing.assert_allclose(texels, colors @ np.array(matrix).T, atol=1e-4)
+    assert notes[0].endswith("its colours were converted")
+    # What sRGB cannot show is cut off, which is said too.
+    texels, notes = read(tmp_path, chromaticities, np.array([[[0.0, 1.0, 0.0]]], np.float32))
+    assert texels.min() == 0.0
+    assert "negative light" in notes[1]
+
+
+def test_primaries_on_a_line_are_told(tmp_path):
+    line = (0.6, 0.3, 0.4, 0.3, 0.2, 0.3, 0.3127, 0.329)
+    assert "span no space" in notes_of(tmp_path, line)[0]
 
 
 @pytest.mark.parametrize("chromaticities", [None, SRGB])
