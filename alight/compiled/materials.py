@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alight.bsdfs.composites.nesting import Leaf, Nested, leaves
 from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
+from alight.bsdfs.nesting import Leaf, Nested, leaves
 from alight.bsdfs.switch import COATED_APART, MIXED, RELIEF, SAME_BACK, SPREADS, TWO_SIDED
 from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable

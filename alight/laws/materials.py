@@ -6,10 +6,10 @@ from collections import namedtuple
 
 import numpy as np
 
-from alight.bsdfs.composites.nesting import leaves
 from alight.bsdfs.dispatch import evaluate_bsdf, open_share, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
 from alight.bsdfs.model import BSDFS, BsdfModel
+from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.registry import versions

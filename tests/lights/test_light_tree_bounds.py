@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.nesting import leaves
+from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.core.registry import modules, type_name_of
 from alight.core.vec import Vec3

@@ -215,7 +215,7 @@ EVERYDAY = (
     ),
     Mutant(
         "of two reliefs the outer one counts",
-        "bsdfs/composites/nesting.py",
+        "bsdfs/nesting.py",
         (
             (
                 "leaf.relief or (spec if spec.bends_normals else None)",

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.nesting import leaves
-from alight.bsdfs.composites.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.bump_map import BumpMap
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
 from alight.bsdfs.disney.principled import Principled
 from alight.bsdfs.matte.diffuse import Diffuse
-from alight.bsdfs.normals.bump_map import BumpMap
-from alight.bsdfs.normals.normal_map import NormalMap
+from alight.bsdfs.nesting import leaves
 from alight.bsdfs.normals.shading_normals import _seen, fading, lit_normal
 from alight.bsdfs.plastics.plastic import Plastic
 from alight.core.vec import Vec3

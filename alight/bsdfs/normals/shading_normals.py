@@ -29,9 +29,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from alight.bsdfs.composites.nesting import is_matte
 from alight.bsdfs.flags import DELTA
 from alight.bsdfs.model import BsdfValue
+from alight.bsdfs.nesting import is_matte
 from alight.core.frame import frame_from_tangent, to_local, to_world
 from alight.core.parameters import loader, reader
 from alight.core.uv_sets import UV_SETS

@@ -18,10 +18,10 @@ from alight.formats.materials.surfaces import Surface, plain_surface, tinted
 from alight.formats.obj import mtl
 from alight.formats.reading.names import free_name
 from alight.formats.reading.packed import content_of
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report
 from alight.formats.scenes.model_scene import ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
 from alight.scene.meshes import mesh_of

@@ -17,9 +17,9 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.nesting import Nested, Part, find_transmissive
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part, find_transmissive
 from alight.core.field_types import NestedBsdf
 from alight.core.fields import invalid
 
