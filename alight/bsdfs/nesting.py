@@ -50,7 +50,7 @@ class Nested(Bsdf):
     weight_field : str
         Name of the field that holds the weight, or "" without one.
     bends_normals : bool
-        Whether it replaces the surface's normals, see `alight.bsdfs.relief`.
+        Whether it replaces the surface's normals, see `alight.bsdfs.normals.shading_normals`.
     """
 
     bends_normals: ClassVar[bool] = False

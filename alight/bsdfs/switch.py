@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from alight.bsdfs import coat_normals
 from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, Inside, stride_of
-from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
+from alight.bsdfs.normals import coat_normals
+from alight.bsdfs.normals.shading_normals import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.registry import Kernel
 from alight.core.switch import is_one_of, switch

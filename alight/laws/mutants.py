@@ -98,7 +98,7 @@ MUTANTS = {
         "radiance behind a refracting surface falls by 1 / eta for 1 / eta^2",
         (
             (
-                "bsdfs/dielectric.py",
+                "bsdfs/dielectrics/dielectric.py",
                 "where(reflects, 1.0, 1.0 / (eta * eta))",
                 "where(reflects, 1.0, 1.0 / eta)",
             ),

@@ -1,6 +1,6 @@
 """What each statement of an MTL file is, written down a second time (decision 38)."""
 
-from alight.formats import mtl
+from alight.formats.obj import mtl
 
 
 def test_colours_are_decoded_and_numbers_are_not():

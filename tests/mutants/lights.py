@@ -250,7 +250,7 @@ LIGHT = (
     ),
     Mutant(
         "area of a slanted rectangle by the lengths of its edges",
-        "formats/lamps.py",
+        "formats/scenes/lamps.py",
         (
             (
                 "np.linalg.norm(np.cross(to_world[:3, 0], to_world[:3, 1]))",

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.bump_map import BumpMap
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.bump_map import BumpMap
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.nesting import leaves
-from alight.bsdfs.normal_map import NormalMap
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.relief import _seen, fading, lit_normal
-from alight.bsdfs.rough_conductor import RoughConductor
-from alight.bsdfs.rough_dielectric import RoughDielectric
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.normals.shading_normals import _seen, fading, lit_normal
+from alight.bsdfs.plastics.plastic import Plastic
 from alight.core.vec import Vec3
 from alight.laws.materials import Material, direction, random_numbers
 from alight.laws.statistics import unit_vectors
