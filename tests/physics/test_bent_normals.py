@@ -37,7 +37,7 @@ def lambert(normal, wo, wi):
 
 @pytest.mark.parametrize("outer", [NormalMap, BumpMap])
 @pytest.mark.parametrize("inner", [NormalMap, BumpMap])
-def test_of_two_reliefs_the_inner_one_counts(outer, inner):
+def test_of_two_maps_of_normals_the_inner_one_counts(outer, inner):
     def bent(wrapper, bsdf):
         texture = (0.7, 0.4, 0.9) if wrapper is NormalMap else Bitmap(pixels=((0.0, 1.0),))
         return wrapper(texture=texture, bsdf=bsdf)
@@ -45,8 +45,8 @@ def test_of_two_reliefs_the_inner_one_counts(outer, inner):
     below = bent(inner, Diffuse())
     whole = TwoSided(bsdf=bent(outer, Blend(bsdfs=(below, Diffuse(reflectance=0.2)))))
     one, other = leaves(whole)
-    assert one.relief is below
-    assert other.relief is whole.bsdf
+    assert one.normals is below
+    assert other.normals is whole.bsdf
 
 
 def test_normals_of_a_map_are_its_colours():

@@ -27,7 +27,7 @@ BRUSHED = {
 UNBENT = {
     name: spec
     for name, spec in zip(NAMES, EXAMPLES, strict=True)
-    if all(leaf.relief is None for leaf in leaves(spec))
+    if all(leaf.normals is None for leaf in leaves(spec))
     and not (isinstance(spec, Hair) and spec.alpha)
 }
 ANGLES = (0.5, 2.2, -1.3)
