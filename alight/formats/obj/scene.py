@@ -16,6 +16,7 @@ import numpy as np
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.formats.materials.surfaces import Surface, plain_surface, tinted
 from alight.formats.obj import mtl
+from alight.formats.obj.maps import find
 from alight.formats.reading.names import free_name
 from alight.formats.reading.packed import content_of
 from alight.formats.reading.reach import OutOfReachError, Reach
@@ -174,7 +175,7 @@ def _library(
     is_one = text.lower().rstrip('"').endswith(".mtl") and ".mtl " not in text.lower()
     for name in [text] if is_one else text.split():
         try:
-            path = mtl.find(name, place, reach, report)
+            path = find(name, place, reach, report)
         except OutOfReachError as error:
             report.approximate(f"{place}: {error}; its materials are grey")
             continue
