@@ -25,7 +25,7 @@ import numpy as np
 from harness import print_json, print_table
 
 import alight
-from alight.bsdfs.composites.blend import Blend
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.matte.diffuse import Diffuse
 from alight.metrics.comparison import Comparison, PictureStatistics, compare_pictures
 from alight.scene import Node, Scene

@@ -1,6 +1,6 @@
 """Scattering at surfaces, one model per file. A new model is one file and one line here."""
 
-from alight.bsdfs.composites import blend, mask, two_sided
+from alight.bsdfs.adapters import blend, bump_map, mask, normal_map, two_sided
 from alight.bsdfs.conductors import coated_conductor, conductor, mirror, rough_conductor
 from alight.bsdfs.dielectrics import dielectric, null, rough_dielectric, thin_dielectric
 from alight.bsdfs.disney import burley, burley_thin, principled
@@ -8,7 +8,6 @@ from alight.bsdfs.fibres import hair
 from alight.bsdfs.interiors import subsurface
 from alight.bsdfs.matte import diffuse, diffuse_transmission, eon, oren_nayar, uniform_scatter
 from alight.bsdfs.measured import measured
-from alight.bsdfs.normals import bump_map, normal_map
 from alight.bsdfs.plastics import phong, plastic, rough_plastic
 
 MODELS = (

@@ -1,6 +1,6 @@
 r"""The scattering of any surface of a scene, whatever its material is made of.
 
-A material is a sum of models (`alight.bsdfs.composites.nesting`), each with a share that may vary
+A material is a sum of models (`alight.bsdfs.nesting`), each with a share that may vary
 over the surface. For most materials it is one model with share 1, and a program without blends and
 masks goes straight to it. Otherwise the models are visited one after the other, as long as one of
 the lanes has another one:

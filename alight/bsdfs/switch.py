@@ -32,8 +32,8 @@ from lanewise.simd import (
 
 #: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
 #: part of it, disperses light; its coat has normals of its own; it is seen from the front only, or
-#: from the back only; and from bit `RELIEF` on, the row of its normal or bump map + 1.
-TWO_SIDED, MIXED, SPREADS, COATED_APART, FRONT_ONLY, BACK_ONLY, RELIEF = 1, 2, 4, 8, 16, 32, 6
+#: from the back only; and from bit `NORMALS` on, the row of its normal or bump map + 1.
+TWO_SIDED, MIXED, SPREADS, COATED_APART, FRONT_ONLY, BACK_ONLY, NORMALS = 1, 2, 4, 8, 16, 32, 6
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
 #: What programs call it that there are models that are seen from one side only.
@@ -58,9 +58,9 @@ def _turned(scene, row, wo):
 
 
 @kernel
-def _relief(scene, row):
+def _normals(scene, row):
     """Row of the map that bends a material's normals, + 1; 0 without one."""
-    return material_flags(scene, row) >> RELIEF
+    return material_flags(scene, row) >> NORMALS
 
 
 @kernel
@@ -140,9 +140,9 @@ def evaluate_row(program):
 
     if is_bent_below(program):
         bent = coat_normals.bent_evaluate
-        one_sided = bent(one_sided, stride_of(program.bsdfs), _relief, _is_coated_apart)
+        one_sided = bent(one_sided, stride_of(program.bsdfs), _normals, _is_coated_apart)
     elif BENT in program.bsdfs:
-        one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
+        one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _normals)
     if SAME_BACK not in program.bsdfs:
         return one_sided
 
@@ -181,9 +181,9 @@ def sample_row(program):
 
     if is_bent_below(program):
         bent = coat_normals.bent_sample
-        one_sided = bent(one_sided, stride_of(program.bsdfs), _relief, _is_coated_apart)
+        one_sided = bent(one_sided, stride_of(program.bsdfs), _normals, _is_coated_apart)
     elif BENT in program.bsdfs:
-        one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
+        one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _normals)
     if SAME_BACK not in program.bsdfs:
         return one_sided
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.bsdfs import dirac
-from alight.bsdfs.composites.nesting import leaves
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS
+from alight.bsdfs.nesting import leaves
 from alight.compiled.suspicious_bodies import box_of
 from alight.core.spec import Bsdf
 from alight.scene.flatten import FlatScene

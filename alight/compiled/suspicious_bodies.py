@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.bsdfs.composites.nesting import scatters_inside
+from alight.bsdfs.nesting import scatters_inside
 from alight.meshes.volume import enclosed_volume
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.model import SHAPES

@@ -12,10 +12,10 @@ import numpy as np
 
 from alight.core.errors import Issue, SceneError
 from alight.formats.materials.surfaces import plain_surface
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.report import Report
 from alight.formats.scenes.model_scene import Data, ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.meshes import ply, stl
 from alight.meshes.ply_header import parse_header
 from alight.meshes.triangles import MeshArrays

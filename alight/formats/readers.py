@@ -12,9 +12,9 @@ from alight.core.extras import install_command
 from alight.formats import gltf, mesh_scene
 from alight.formats.materialx import scene as materialx
 from alight.formats.obj import scene as obj_scene
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.shown import Shown
+from alight.formats.scenes.parsed import Parsed
 from alight.outputs.texels import reusing_memory
 
 AS_IT_IS = Shown()

@@ -143,8 +143,8 @@ def facts(scene: Scene, flat: FlatScene) -> list[tuple[str, str]]:
 
 def energy_notes(flat: FlatScene) -> list[str]:
     """Say which models send out more light than they get, whatever they are part of."""
-    from alight.bsdfs.composites.nesting import leaves
     from alight.bsdfs.model import BSDFS
+    from alight.bsdfs.nesting import leaves
 
     names = {leaf.bsdf.type_name() for bsdf in flat.bsdfs for leaf in leaves(bsdf)}
     most = {name: BSDFS[name].MOST_SENT_OUT for name in sorted(names)}

@@ -12,8 +12,8 @@ from functools import lru_cache, wraps
 
 import numpy as np
 
-from alight.bsdfs.composites.nesting import Nested
 from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.nesting import Nested
 from alight.laws.materials import (
     COSINES,
     Material,

@@ -6,10 +6,10 @@ from collections import namedtuple
 
 import numpy as np
 
-from alight.bsdfs.composites.nesting import leaves
 from alight.bsdfs.dispatch import evaluate_bsdf, open_share, sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
 from alight.bsdfs.model import BSDFS, BsdfModel
+from alight.bsdfs.nesting import leaves
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.registry import versions
@@ -101,7 +101,7 @@ class Material:
 
     def is_bent(self) -> bool:
         """Whether a part of it has a normal or bump map."""
-        return any(leaf.relief is not None for leaf in leaves(self.spec))
+        return any(leaf.normals is not None for leaf in leaves(self.spec))
 
     def is_one_sided(self) -> bool:
         """All parts of it say that only light from the viewer's side reaches them."""

@@ -123,7 +123,7 @@ MUTANTS = {
     ),
     "light-choice-forgotten": Mutant(
         "light sampling forgets the probability of having chosen this light",
-        (("lights/sampling.py", "pdf = s.pdf * choice.plain", "pdf = s.pdf"),),
+        (("lights/sampling.py", "pdf = s.pdf * choice.mis_pmf", "pdf = s.pdf"),),
         "with two lights and more",
     ),
     "both-ways-in-full": Mutant(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from alight.bsdfs.composites.nesting import Nested, scatters_inside
+from alight.bsdfs.nesting import Nested, scatters_inside
 from alight.core.errors import Issue, join_path
 from alight.core.spec import Bsdf
 from alight.scene.description import VACUUM, Scene

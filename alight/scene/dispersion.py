@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from alight.bsdfs.composites.nesting import Nested
 from alight.bsdfs.model import BSDFS
+from alight.bsdfs.nesting import Nested
 from alight.core.errors import Issue, join_path
 from alight.core.spec import Bsdf
 from alight.core.wavelengths import DISPERSIVE

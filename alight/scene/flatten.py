@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alight.bsdfs.composites.nesting import scatters_inside
+from alight.bsdfs.nesting import scatters_inside
 from alight.core.errors import SceneError
 from alight.core.registry import default_of, versions
 from alight.core.spec import Bsdf, Camera, Integrator, Light, Medium, Sampler, Shape, Spec, Texture

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from alight.bsdfs.composites.nesting import find_transmissive
+from alight.bsdfs.nesting import find_transmissive
 from alight.core.errors import Issue
 from alight.core.spec import Bsdf, Integrator, Shape
 from alight.shapes.model import SHAPES

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.bsdfs.composites.nesting import (
+from alight.bsdfs.nesting import (
     Nested,
     count_leaves,
     count_levels,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from alight.bsdfs import MODELS
-from alight.bsdfs.composites.nesting import Nested, scatters_inside
+from alight.bsdfs.nesting import Nested, scatters_inside
 from alight.cameras.pinhole import Pinhole
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError

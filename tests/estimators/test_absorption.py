@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from alight.bsdfs.composites.mask import Mask
+from alight.bsdfs.adapters.mask import Mask
 from alight.bsdfs.dielectrics.dielectric import Dielectric
 from alight.bsdfs.dielectrics.null import Null
 from alight.bsdfs.disney.principled import Principled

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.blend import Blend
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.dielectrics.dielectric import Dielectric
 from alight.bsdfs.interiors.bodies import body_below
 from alight.bsdfs.matte.diffuse import Diffuse

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.composites.blend import Blend
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.matte.diffuse import Diffuse
 from alight.compiled.scene import compile_scene
 from alight.core.noise_only import noise_only_fields

@@ -215,15 +215,15 @@ EVERYDAY = (
     ),
     Mutant(
         "of two reliefs the outer one counts",
-        "bsdfs/composites/nesting.py",
+        "bsdfs/nesting.py",
         (
             (
-                "leaf.relief or (spec if spec.bends_normals else None)",
-                "(spec if spec.bends_normals else None) or leaf.relief",
+                "leaf.normals or (spec if spec.bends_normals else None)",
+                "(spec if spec.bends_normals else None) or leaf.normals",
             ),
         ),
         "tests/physics/test_bent_normals.py::"
-        "test_of_two_reliefs_the_inner_one_counts[NormalMap-BumpMap]",
+        "test_of_two_maps_of_normals_the_inner_one_counts[NormalMap-BumpMap]",
     ),
     Mutant(
         "glass of random scenes that is never denser outside",

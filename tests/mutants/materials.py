@@ -16,7 +16,7 @@ MATERIALS = (
     ),
     Mutant(
         "weight of a blend taken for the other part",
-        "bsdfs/composites/blend.py",
+        "bsdfs/adapters/blend.py",
         (
             (
                 'Part(self.bsdfs[0], "rest"), Part(self.bsdfs[1], "weight")',
@@ -27,7 +27,7 @@ MATERIALS = (
     ),
     Mutant(
         "opacity taken for transparency",
-        "bsdfs/composites/mask.py",
+        "bsdfs/adapters/mask.py",
         (
             (
                 'Part(Null(), "rest", is_hole=True), Part(self.bsdf, "weight")',

@@ -67,7 +67,7 @@ SCATTERING = (
     ),
     Mutant(
         "back inside what shows its front twice",
-        "bsdfs/composites/nesting.py",
+        "bsdfs/nesting.py",
         (('if spec.makes_two_sided and leaf.side == "back"', 'if leaf.side == "none"'),),
         TWO_SIDES,
     ),

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.blend import Blend
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.disney import burley, burley_thin
 from alight.bsdfs.disney.burley import Burley, burley_facets
 from alight.bsdfs.disney.burley_thin import BurleyThin

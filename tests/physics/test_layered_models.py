@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.mask import Mask
-from alight.bsdfs.composites.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.flags import DELTA, NULL
 from alight.bsdfs.matte.diffuse import Diffuse

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.conductors.mirror import Mirror
 from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.matte.oren_nayar import OrenNayar
-from alight.bsdfs.normals.normal_map import NormalMap
 from alight.compiled.scene import compile_scene
 from alight.films import fixed_point
 from alight.formats import loads

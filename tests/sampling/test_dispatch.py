@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from alight.bsdfs import MODELS
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.mask import Mask
-from alight.bsdfs.composites.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.conductors.conductor import Conductor
 from alight.bsdfs.disney.principled import Principled
 from alight.bsdfs.matte.diffuse import UNIFORM, Diffuse

@@ -2,9 +2,9 @@
 
 import pytest
 
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.mask import Mask
-from alight.bsdfs.composites.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.dielectrics.null import Null
 from alight.bsdfs.dielectrics.thin_dielectric import ThinDielectric
 from alight.bsdfs.matte.diffuse import Diffuse

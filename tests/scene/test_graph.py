@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.composites.two_sided import TwoSided
+from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.conductors.mirror import Mirror
 from alight.bsdfs.matte.diffuse import Diffuse
 from alight.cameras.pinhole import Pinhole

@@ -6,9 +6,9 @@ from collections import namedtuple
 from collections.abc import Iterator
 from typing import Any
 
-from alight.bsdfs.composites.nesting import Nested
 from alight.bsdfs.interiors.absorption import ABSORBING, Absorbing
 from alight.bsdfs.model import BSDFS
+from alight.bsdfs.nesting import Nested
 from alight.core.maths import exp
 from alight.core.spec import Bsdf
 from alight.core.vec import Vec3, gather_vec3

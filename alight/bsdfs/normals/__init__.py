@@ -1,1 +1,1 @@
-"""Shading normals from pictures: normal maps, bump maps, coats with normals of their own."""
+"""Shading normals that pictures bend: what they do to directions, and coats of their own."""

@@ -67,7 +67,7 @@ def pack_coat_normals(packer: Any, apart: bool, normal: Any, scale: float) -> No
 
 
 def coat_features(normal: Any) -> tuple[str, ...]:
-    """What must be compiled for a coat with normals of its own; see `relief.map_features`."""
+    """What must be compiled for a coat with normals of its own; see `map_features`."""
     turned = (TURNED,) if turn_of(normal) != UNTURNED else ()
     return (OWN_COAT, "anisotropic", *turned)
 
@@ -153,12 +153,12 @@ def left_of_coat(own, wi):
 # ---------------------------------------------------------------- maps around such materials
 
 
-def bent_evaluate(one_sided: Any, stride: int, relief_of: Any, is_apart: Any) -> Any:
+def bent_evaluate(one_sided: Any, stride: int, normals_of: Any, is_apart: Any) -> Any:
     """`evaluate_row` with the bent normals of maps; arguments as in `alight.bsdfs.switch`."""
 
     @kernel
     def evaluate_row(scene, surface, row, wo, wi, active):
-        s, t, n, fades = frame_of_map(scene, surface, relief_of(scene, row), stride, wo)
+        s, t, n, fades = frame_of_map(scene, surface, normals_of(scene, row), stride, wo)
         apart = is_apart(scene, row)
         bent = replace(surface, bend=Bend(s, t, n, fades))
         inner_wo = where(apart, wo, to_local(s, t, n, wo))
@@ -171,12 +171,12 @@ def bent_evaluate(one_sided: Any, stride: int, relief_of: Any, is_apart: Any) ->
     return evaluate_row
 
 
-def bent_sample(one_sided: Any, stride: int, relief_of: Any, is_apart: Any) -> Any:
+def bent_sample(one_sided: Any, stride: int, normals_of: Any, is_apart: Any) -> Any:
     """`sample_row` with the bent normals of maps; arguments as in `alight.bsdfs.switch`."""
 
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
-        s, t, n, fades = frame_of_map(scene, surface, relief_of(scene, row), stride, wo)
+        s, t, n, fades = frame_of_map(scene, surface, normals_of(scene, row), stride, wo)
         apart = is_apart(scene, row)
         bent = replace(surface, bend=Bend(s, t, n, fades))
         inner_wo = where(apart, wo, to_local(s, t, n, wo))

@@ -29,9 +29,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from alight.bsdfs.composites.nesting import is_matte
 from alight.bsdfs.flags import DELTA
 from alight.bsdfs.model import BsdfValue
+from alight.bsdfs.nesting import is_matte
 from alight.core.frame import frame_from_tangent, to_local, to_world
 from alight.core.parameters import loader, reader
 from alight.core.uv_sets import UV_SETS
@@ -328,10 +328,10 @@ def _modes(code):
 
 
 @kernel
-def frame_of_map(scene, surface, relief, stride, wo):
+def frame_of_map(scene, surface, normals, stride, wo):
     """(s, t, n, fades) of the bent frame, in the local one; z itself without a map."""
-    has = relief != 0
-    base = where(has, relief - 1, 0) * stride
+    has = normals != 0
+    base = where(has, normals - 1, 0) * stride
     code = where(has, _modes_at(scene, base, surface), 0.0)
     height, follows, fades, lit, folded = _modes(code)
     n = bent_normal(scene, base, surface, height, follows)
@@ -357,12 +357,12 @@ def map_features(spec: Any) -> tuple[str, ...]:
     return (BENT, "anisotropic", *([ON_MATTE] if is_lit_matte(spec) else []))
 
 
-def bent_evaluate(one_sided, stride, relief_of):
+def bent_evaluate(one_sided, stride, normals_of):
     """`evaluate_row` with the bent normals of maps; arguments as in `alight.bsdfs.switch`."""
 
     @kernel
     def evaluate_row(scene, surface, row, wo, wi, active):
-        s, t, n, fades = frame_of_map(scene, surface, relief_of(scene, row), stride, wo)
+        s, t, n, fades = frame_of_map(scene, surface, normals_of(scene, row), stride, wo)
         inner = to_local(s, t, n, wi)
         f_cos, pdf = one_sided(scene, surface, row, to_local(s, t, n, wo), inner, active)
         agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)
@@ -372,12 +372,12 @@ def bent_evaluate(one_sided, stride, relief_of):
     return evaluate_row
 
 
-def bent_sample(one_sided, stride, relief_of):
+def bent_sample(one_sided, stride, normals_of):
     """`sample_row` with the bent normals of maps; arguments as in `alight.bsdfs.switch`."""
 
     @kernel
     def sample_row(scene, surface, row, wo, u, u2, active):
-        s, t, n, fades = frame_of_map(scene, surface, relief_of(scene, row), stride, wo)
+        s, t, n, fades = frame_of_map(scene, surface, normals_of(scene, row), stride, wo)
         inner = one_sided(scene, surface, row, to_local(s, t, n, wo), u, u2, active)
         wi = renormalize(to_world(s, t, n, inner.wi))
         agrees = (inner.wi.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)

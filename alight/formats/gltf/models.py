@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.bsdfs.composites.blend import Blend
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.conductors.coated_conductor import CoatedConductor
 from alight.bsdfs.conductors.conductor import Metallic, OfMetal
 from alight.bsdfs.dielectrics.dispersion import indices

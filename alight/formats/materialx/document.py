@@ -17,7 +17,7 @@ from typing import Any
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.materialx.definitions import Definitions
 from alight.formats.materialx.nodes import MOST_DEEP, WIDTHS, Input, Node
-from alight.formats.mitsuba.values import NotNumbersError, parse_integer, parse_numbers
+from alight.formats.reading.numbers import NotNumbersError, parse_integer, parse_numbers
 from alight.formats.reading.packed import text_of
 from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report

@@ -15,12 +15,12 @@ from alight.formats.materialx.nodes import Input, Node
 from alight.formats.materialx.shaders import not_covered, read_shader, stand_in
 from alight.formats.materialx.values import Value, spread, textured
 from alight.formats.reading.names import free_name
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report
 from alight.formats.reading.shown import Shown
 from alight.formats.reading.xml import MOST_BYTES
 from alight.formats.scenes.model_scene import ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.scene.transform import translate
 from alight.textures.images import Image
 

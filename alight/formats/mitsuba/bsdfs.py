@@ -16,7 +16,7 @@ from alight.formats.mitsuba.textures import (
     number_or_texture,
     texture_value,
 )
-from alight.formats.mitsuba.values import NotNumbersError, parse_number
+from alight.formats.reading.numbers import NotNumbersError, parse_number
 from alight.formats.reading.xml import Element
 
 #: What takes the place of a material that is not covered.

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TypeVar, overload
 
 from alight.core.errors import quote, unknown_name
-from alight.formats.mitsuba.values import (
+from alight.formats.reading.numbers import (
     NotNumbersError,
     parse_integer,
     parse_number,

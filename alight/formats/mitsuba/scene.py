@@ -20,10 +20,10 @@ from alight.formats.mitsuba import (
 from alight.formats.mitsuba.context import Context
 from alight.formats.mitsuba.document import Document, read_document
 from alight.formats.mitsuba.framing import surround
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.report import Report
 from alight.formats.reading.xml import Element
+from alight.formats.scenes.parsed import Parsed
 from alight.scene.build import FORMAT_VERSION
 
 #: What converts materials, those that are approximated included.

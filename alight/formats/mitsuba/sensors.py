@@ -11,7 +11,7 @@ from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.films import film, sampler
 from alight.formats.mitsuba.transforms import motion_of
-from alight.formats.mitsuba.values import NotNumbersError, parse_number
+from alight.formats.reading.numbers import NotNumbersError, parse_number
 from alight.formats.reading.xml import Element
 from alight.formats.scenes.cameras import Parallel, Perspective, angle_of
 

@@ -15,7 +15,7 @@ from alight.formats.mitsuba.bsdfs import convert, medium_index, rough_plastic, r
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.textures import color_or_texture
-from alight.formats.mitsuba.values import NotNumbersError, parse_numbers
+from alight.formats.reading.numbers import NotNumbersError, parse_numbers
 from alight.formats.reading.reach import OutOfReachError
 
 _BLACK: Data = {"type": "diffuse", "reflectance": [0.0] * 3}

@@ -16,12 +16,13 @@ import numpy as np
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.formats.materials.surfaces import Surface, plain_surface, tinted
 from alight.formats.obj import mtl
+from alight.formats.obj.maps import find
 from alight.formats.reading.names import free_name
 from alight.formats.reading.packed import content_of
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report
 from alight.formats.scenes.model_scene import ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.meshes import obj
 from alight.meshes.normals import vertex_normals
 from alight.scene.meshes import mesh_of
@@ -174,7 +175,7 @@ def _library(
     is_one = text.lower().rstrip('"').endswith(".mtl") and ".mtl " not in text.lower()
     for name in [text] if is_one else text.split():
         try:
-            path = mtl.find(name, place, reach, report)
+            path = find(name, place, reach, report)
         except OutOfReachError as error:
             report.approximate(f"{place}: {error}; its materials are grey")
             continue

@@ -17,9 +17,9 @@ from alight.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.formats.pbrt.words import BrokenError, Words
 from alight.formats.pbrt.world import World
 from alight.formats.reading.packed import text_of
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report
+from alight.formats.scenes.parsed import Parsed
 from alight.scene.build import FORMAT_VERSION
 
 SUFFIX = ".pbrt"

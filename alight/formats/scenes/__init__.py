@@ -1,1 +1,1 @@
-"""Cameras and lights of files, and those that a file of a model lacks."""
+"""What readers give back: cameras and lights of files, and those that stand in for missing ones."""

@@ -12,10 +12,10 @@ from alight.formats.geometry.displacement import Lifting
 from alight.formats.materials.steepness import told
 from alight.formats.materials.surfaces import Surface
 from alight.formats.reading.names import free_name
-from alight.formats.reading.parsed import Parsed
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.report import Report
 from alight.formats.scenes.emission import Glow
+from alight.formats.scenes.parsed import Parsed
 from alight.formats.scenes.surroundings import (
     add_camera,
     add_floor,

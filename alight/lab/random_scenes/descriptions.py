@@ -11,7 +11,7 @@ import math
 from types import ModuleType
 from typing import Any, Literal, get_args, get_origin
 
-from alight.bsdfs.composites.nesting import Nested, count_leaves, find_transmissive, scatters_inside
+from alight.bsdfs.nesting import Nested, count_leaves, find_transmissive, scatters_inside
 from alight.core.errors import SceneError
 from alight.core.fields import Interval, Model, Models, NumberOrTexture, Numbers
 from alight.core.registry import Models as Registry

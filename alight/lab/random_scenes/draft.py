@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.bsdfs.composites.nesting import scatters_inside
+from alight.bsdfs.nesting import scatters_inside
 from alight.core.field_types import texture_interval
 from alight.core.registry import Models as Registry
 from alight.core.spec import Bsdf, Light, Medium, Texture

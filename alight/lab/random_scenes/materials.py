@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.bsdfs.composites.nesting import find_transmissive, leaves, scatters_inside
 from alight.bsdfs.dielectrics.interface import Interface
 from alight.bsdfs.fibres.hair import Hair
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import find_transmissive, leaves, scatters_inside
 from alight.core.fields import Interval
 from alight.core.registry import Models as Registry
 from alight.core.spec import Bsdf

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from alight.bsdfs.adapters.bump_map import BumpMap
 from alight.bsdfs.disney.principled import Principled
 from alight.bsdfs.matte.diffuse import Diffuse
-from alight.bsdfs.normals.bump_map import BumpMap
 from alight.laws.materials import Material
 from alight.textures.bitmap import Bitmap
 from tests.formats.mitsuba import values

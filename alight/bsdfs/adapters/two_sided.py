@@ -18,9 +18,9 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from alight.bsdfs.composites.blend import Blend
-from alight.bsdfs.composites.nesting import Nested, Part, find_transmissive, has_holes
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part, find_transmissive, has_holes
 from alight.bsdfs.plastics.phong import Phong
 from alight.core.field_types import NestedBsdf
 from alight.core.fields import invalid

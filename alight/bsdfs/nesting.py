@@ -96,7 +96,7 @@ class Leaf(NamedTuple):
         Whether something above it says so.
     factors : tuple of (Nested, bool)
         Its share is their product: the weight of each, or where True, 1 - weight.
-    relief : Nested, optional
+    normals : Nested, optional
         The innermost material above it that bends normals.
     side : {"", "front", "back"}
         The only side that it is seen from, if not both.
@@ -105,7 +105,7 @@ class Leaf(NamedTuple):
     bsdf: Bsdf
     two_sided: bool = False
     factors: tuple[tuple[Nested, bool], ...] = ()
-    relief: Nested | None = None
+    normals: Nested | None = None
     side: str = ""
 
 
@@ -124,8 +124,8 @@ def leaves(spec: Bsdf) -> Iterator[Leaf]:
                 continue
             side = part.side if spec.makes_two_sided else leaf.side
             two_sided = leaf.two_sided or spec.makes_two_sided
-            relief = leaf.relief or (spec if spec.bends_normals else None)
-            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, relief, side)
+            normals = leaf.normals or (spec if spec.bends_normals else None)
+            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, normals, side)
 
 
 def is_matte(spec: Bsdf) -> bool:

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.bsdfs.composites.nesting import Nested, Part
 from alight.bsdfs.conductors.mirror import Mirror
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part
 from alight.core.field_types import NestedBsdfs, UnitTexture
 
 
@@ -28,7 +28,7 @@ class Blend(Nested):
         Part of the second material, in [0, 1].
     bsdfs : (2,) Bsdf or str, default (Diffuse(), Mirror())
         The materials, or their names. Together with all that they hold they must not be more than
-        `alight.bsdfs.composites.nesting.MOST_LEAVES`.
+        `alight.bsdfs.nesting.MOST_LEAVES`.
     """
 
     weight_field: ClassVar[str] = "weight"

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.bsdfs.composites.nesting import Nested, Part
 from alight.bsdfs.dielectrics.null import Null
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part
 from alight.core.field_types import NestedBsdf, UnitTexture
 
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from alight.bsdfs.composites.nesting import Nested, Part
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.normals.shading_normals import (
     HEIGHTS,
     IS_HEIGHT,

@@ -18,10 +18,10 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from alight.bsdfs.composites.nesting import Nested, Part
 from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.disney.principled import Principled
 from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.nesting import Nested, Part
 from alight.bsdfs.normals.shading_normals import (
     FOLLOWS_UV,
     NORMALS,

@@ -1,1 +1,0 @@
-"""Materials made of other materials: blends, masks, both sides."""
