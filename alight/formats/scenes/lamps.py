@@ -10,10 +10,13 @@ alone counts: power is asked for per area, where a lamp stands.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
+from alight.lights.daylight import DIAMETER, solid_angle
+from alight.lights.sun import Sun
 from alight.shapes.cylinder import mantle_area
 from alight.shapes.mesh import Mesh
 from alight.shapes.sphere import ellipsoid_area
@@ -31,6 +34,30 @@ def point(intensity: list[float]) -> Data:
 def parallel(irradiance: list[float]) -> Data:
     """Parallel rays, W/m^2 across them."""
     return {"type": "directional", "irradiance": irradiance}
+
+
+#: Disks in the sky are so wide, degrees.
+NARROWEST_DISK, WIDEST_DISK = 0.01, 60.0
+
+
+def far_disk(irradiance: list[float], angle: float) -> Data:
+    """The node of a disk in the sky that shines along -z.
+
+    Parameters
+    ----------
+    irradiance : (3,) float, W/m^2
+        On what it shines at head-on.
+    angle : float, degrees
+        Across it, from `NARROWEST_DISK` to `WIDEST_DISK`.
+    """
+    overhead = Sun(sun_direction=(0.0, 1.0, 0.0), diameter=angle)
+    area = math.pi * math.sin(math.radians(0.5 * angle)) ** 2
+    smaller = solid_angle(DIAMETER) / solid_angle(angle)
+    own = [radiance * smaller * area for radiance in overhead.of_the_sun]
+    scale = [wanted / given for wanted, given in zip(irradiance, own, strict=True)]
+    light = {"type": "sun", "sun_direction": [0, 1, 0], "diameter": angle, "scale": scale}
+    # From overhead to +z, where it is seen.
+    return {"light": light, "transform": [{"rotate": {"axis": "x", "angle": 90.0}}]}
 
 
 def spot(intensity: list[float], cutoff: float, beam: float, falloff: str | None = None) -> Data:

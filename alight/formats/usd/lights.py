@@ -17,9 +17,12 @@ import numpy as np
 from alight.formats.materials.textures import DARK, multiplied
 from alight.formats.reading.reach import OutOfReachError
 from alight.formats.scenes.lamps import (
+    NARROWEST_DISK,
+    WIDEST_DISK,
     area_across,
     area_of_ball,
     area_of_mantle,
+    far_disk,
     parallel,
     point,
     spot,
@@ -243,9 +246,16 @@ def _distant(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     if not _is_normalised(stage, prim) and angle > 0.0:
         # Radiance of a disk of this opening angle.
         irradiance = irradiance * math.pi * math.sin(math.radians(0.5 * min(angle, 180.0))) ** 2
+    wide = f"{prim.GetPath()}: a distant light, {angle:g} degrees wide"
+    # What surrounds a scene is in no prototype, and is only turned.
+    squared = world[:3, :3].T @ world[:3, :3]
+    is_turned = np.allclose(squared, np.eye(3) * squared[0, 0], atol=5e-5 * squared[0, 0])
+    if angle >= NARROWEST_DISK and is_turned and not prim.IsInPrototype():
+        if angle > WIDEST_DISK:
+            stage.report.approximate(f"{wide}, became a disk {WIDEST_DISK:g} degrees wide")
+        return Placed(far_disk(irradiance.tolist(), min(angle, WIDEST_DISK)))
     if angle > 0.0:
-        text = f"{angle:g} degrees wide, became parallel rays with hard shadows"
-        stage.report.approximate(f"{prim.GetPath()}: a distant light, {text}")
+        stage.report.approximate(f"{wide}, became parallel rays with hard shadows")
     return Placed(turned(parallel(irradiance.tolist()), "y"))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import alight
+from alight.lights import sun
 from tests.formats.usd.stage import SQUARE, usd_loader
 
 pytest.importorskip("pxr")
@@ -54,9 +55,24 @@ def test_normalised_lights_have_the_power_of_one_square_metre(load, text, area):
 def test_a_distant_light_gives_its_irradiance(load):
     text = 'def DistantLight "l" {{ float inputs:intensity = 4; float inputs:angle = 60; {} }}'
     node = light_of(load, text.format(""))
-    assert node.light.irradiance[0] == pytest.approx(4 * math.pi * math.sin(math.radians(30)) ** 2)
+    assert node.light.diameter == 60.0
+    seen = math.pi * math.sin(math.radians(30)) ** 2
+    numbers = sun.place(node.light, node.transform.matrix)[1] * [1, 1, 1, 1, *node.light.scale]
+    # Of the disk's radiance, and from where it comes.
+    np.testing.assert_allclose(numbers[4:7], 4.0)
+    np.testing.assert_allclose(numbers[:3], [0.0, 0.0, 1.0], atol=1e-12)
     node = light_of(load, text.format("bool inputs:normalize = 1"))
-    assert node.light.irradiance[0] == pytest.approx(4.0)
+    numbers = sun.place(node.light, node.transform.matrix)[1] * [1, 1, 1, 1, *node.light.scale]
+    np.testing.assert_allclose(numbers[4:7], 4.0 / seen)
+
+
+def test_distant_lights_without_a_size_or_in_a_skewed_space_are_parallel(load):
+    text = 'def DistantLight "l" {{ float inputs:intensity = 4; float inputs:angle = {}; {} }}'
+    assert light_of(load, text.format(0, "")).light.irradiance[0] == 4.0
+    skewed = 'double3 xformOp:scale = (1, 2, 1); uniform token[] xformOpOrder = ["xformOp:scale"]'
+    node = light_of(load, text.format(60, skewed))
+    assert node.light.irradiance[0] == pytest.approx(4 * math.pi * math.sin(math.radians(30)) ** 2)
+    assert light_of(load, text.format(90, "")).light.diameter == 60.0
 
 
 def test_a_small_sphere_far_away_is_as_bright_as_its_point(load):
