@@ -98,7 +98,7 @@ SCATTERING = (
         "measured directions of the viewer not mixed",
         "bsdfs/measured/warp.py",
         (("return a + viewed.of_elevation * (b - a)", "return a"),),
-        f"{MEASURED}::test_values_are_those_of_the_metal[0.6]",
+        f"{MEASURED}::test_between_measured_directions_densities_are_mixed",
     ),
     Mutant(
         "wrong root within a texel",

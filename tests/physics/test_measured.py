@@ -9,7 +9,14 @@ from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.measured.examples import brushed, satin
 from alight.bsdfs.measured.measured import Measured
 from alight.bsdfs.measured.measurement import read_measurement
-from alight.bsdfs.measured.warp import Viewed, Warp, invert_warp, sample_warp, warp_tables
+from alight.bsdfs.measured.warp import (
+    Viewed,
+    Warp,
+    density_at,
+    invert_warp,
+    sample_warp,
+    warp_tables,
+)
 from alight.core.errors import SceneError
 from alight.formats import dumps, loads
 from alight.laws.materials import Material, direction
@@ -122,6 +129,25 @@ def test_points_of_the_square_come_back():
     np.testing.assert_allclose(again, pdf, rtol=1e-3)
     # Of samples that follow a density, the mean of its inverse is the area of the square.
     assert abs((1.0 / pdf).mean() - 1.0) < 0.2
+
+
+def test_between_measured_directions_densities_are_mixed():
+    rng = np.random.default_rng(7)
+    tables = warp_tables(rng.random((2, 2, 3, 3)).astype(np.float32))
+    size = np.uint32(tables.shape[2])
+    warp = Warp(View(tables.ravel().astype(np.float32)), np.uint32(0), size, *np.float32([3, 3]))
+    u = tuple(rng.random((2, 50)).astype(np.float32))
+
+    def at(row, elevation=0.0, azimuth=0.0):
+        first, one = np.full(50, row, np.uint32), np.ones(50, np.uint32)
+        parts = (one * np.float32(part) for part in (elevation, azimuth))
+        # Where nothing follows there is no step.
+        steps = (one * np.uint32(elevation > 0.0), 2 * one * np.uint32(azimuth > 0.0))
+        return density_at(warp, Viewed(first, *steps, *parts), u)
+
+    # Rows: two elevations of an azimuth, then those of the other.
+    wanted = 0.5 * (0.75 * at(0) + 0.25 * at(1)) + 0.5 * (0.75 * at(2) + 0.25 * at(3))
+    np.testing.assert_allclose(at(0, 0.25, 0.5), wanted, rtol=1e-5)
 
 
 @pytest.mark.parametrize("data", [satin(), brushed()])
