@@ -289,10 +289,10 @@ def resolve_bsdf(bsdf: Bsdf | str, scene: Scene, files: Files) -> Bsdf:
     bsdf = images.resolved(bsdf, scene.textures, files)
     changes: dict[str, Any] = {}
     for name, value in bsdf:
-        if name in ("bsdf", "back") and value is not None:
-            changes[name] = resolve_bsdf(value, scene, files)
-        elif name == "bsdfs":
+        if name == "bsdfs":
             changes[name] = tuple(resolve_bsdf(nested, scene, files) for nested in value)
+        elif name in ("bsdf", "back") and value is not None:
+            changes[name] = resolve_bsdf(value, scene, files)
     return bsdf.replaced(**changes) if changes else bsdf
 
 

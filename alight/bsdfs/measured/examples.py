@@ -82,7 +82,7 @@ def _measurement(
 def _warp(vndf: NDArray[np.float32]) -> Warp:
     tables = warp_tables(vndf)
     curves, size = View(tables.ravel().astype(np.float32)), np.uint32(tables.shape[2])
-    return Warp(curves, np.uint32(0), size, *np.float32(vndf.shape[2:]))
+    return Warp(curves, np.uint32(0), size, np.float32(vndf.shape[2]), np.float32(vndf.shape[3]))
 
 
 def _polar(theta: Array, phi: Array) -> Array:
