@@ -29,6 +29,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "integrators/interiors/volume_walk.py": {"channel"},
     "lab/arms.py": {"environment"},
     "lab/report/page.py": {"curves"},
+    "lab/run.py": {"measured"},
     "lab/replicates/steering.py": {"threshold"},
     "lab/warm.py": {"environment"},
     "lab/why/shares.py": {"light"},
