@@ -53,7 +53,7 @@ def scatter_all(scene, bsdf, wo, other, u, uv, out):
         store_lanes(out, 6 * N + i, pdf)
         store_vec3(out, 7, i, f_cos)
         store_lanes(out, 10 * N + i, density)
-        store_vec3(out, 11, i, albedo_bsdf(scene, surface, wo, active))
+        store_vec3(out, 11, i, albedo_bsdf(scene, surface, w, active))
         store_lanes(out, 14 * N + i, to_float(flags))
 
 

@@ -16,6 +16,7 @@ from alight.bsdfs.plastics.phong import Phong
 from alight.bsdfs.plastics.plastic import Plastic
 from alight.compiled.materials import compile_materials
 from alight.core.errors import SceneError
+from alight.core.vec import Vec3
 from alight.textures.checkerboard import Checkerboard
 from lanewise.jit import instantiate
 from tests.sampling.materials import Material, direction, random_numbers, unit_interval
@@ -67,7 +68,8 @@ def test_the_weight_is_the_part_of_the_second_and_may_be_a_texture():
     surface = material.surface(4)._replace(
         u=np.float32([0.1, 0.6, 0.1, 0.6]), v=np.float32([0.1, 0.1, 0.6, 0.6])
     )
-    seen = albedo(material.scene, surface, np.ones(4, bool))
+    up = Vec3(*np.float32([[0.0] * 4, [0.0] * 4, [1.0] * 4]))
+    seen = albedo(material.scene, surface, up, np.ones(4, bool))
     np.testing.assert_allclose(seen.x, [0.9, 0.1, 0.1, 0.9], rtol=1e-6)
     np.testing.assert_allclose(seen.y, [0.1, 0.9, 0.9, 0.1], rtol=1e-6)
 
