@@ -145,7 +145,7 @@ class Params(NamedTuple):
     """A row of the table."""
 
     tables: Annotated[Any, Slots(_load_tables)]
-    albedo: PlainColor
+    head_on: PlainColor
 
 
 SLOTS = slots_of(Params)
@@ -192,7 +192,7 @@ def pack(spec: Measured, packer) -> None:
     """Fill the row of one material."""
     assert spec.data is not None
     packer.curve("tables", tables_of(spec.data))
-    packer.numbers("albedo", *_albedo_of(spec.data))
+    packer.numbers("head_on", *_albedo_of(spec.data))
 
 
 def features(spec: Measured) -> tuple[str, ...]:
@@ -324,4 +324,4 @@ def sample(params, wo, u, u2):
 @kernel
 def albedo(params):
     """Reflected part of light that arrives at right angles."""
-    return params.albedo
+    return params.head_on
