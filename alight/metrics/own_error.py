@@ -25,7 +25,7 @@ import numpy as np
 
 from alight.metrics import noisy_pixels
 from alight.metrics.epsilon import LITERATURE_EPSILON
-from alight.metrics.error_estimate import ErrorEstimate, Figure
+from alight.metrics.error_estimate import LEAST_FOR_INTERVAL, ErrorEstimate, Figure
 from alight.metrics.few_pixels import FewPixels
 from alight.metrics.large_pictures import ROWS, Loops
 from alight.metrics.planes import weighted
@@ -59,8 +59,9 @@ def estimate_relmse(
 
     Notes
     -----
-    With fewer than 4 replicates the error and the brightness have to come from the same ones, and
-    the estimate is less sure than it says. Light that no sample has found yet is in no estimate.
+    With fewer than 4 replicates the error and the brightness have to come from the same ones:
+    bright samples excuse themselves, the estimate is too low, and there is no interval. Light that
+    no sample has found yet is in no estimate.
     """
     return relmse_of(survey(means, counts), literature)
 
@@ -81,7 +82,7 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     halvings = list(_halvings(replicates))
     if large:
         del halvings[1:]
-    by_machine = large and replicates >= 4 and not seen.shares_paths
+    by_machine = large and replicates >= LEAST_FOR_INTERVAL and not seen.shares_paths
     by_machine = by_machine and seen.known.shape[1] >= WIDEST
     sums = Loops(seen, epsilon) if by_machine else _Sums(seen, epsilon, halvings)
     classes, precise, logs, pixels = sums.learn()
@@ -91,18 +92,17 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     believed = noisy_pixels.believe(classes, 3 * len(halvings), size, size, replicates, unlike)
     # Both halves of each way are estimates of the same.
     value = (precise + believed.value) / (2 * len(halvings))
+    relmse = value / (3.0 * float(seen.known.sum()))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
+    if replicates < LEAST_FOR_INTERVAL:
+        return Figure(relmse, math.nan, replicates)
     few = FewPixels(replicates, size)
     spread = sums.multiply(believed.weights, few)
-    if replicates < 4:
-        # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
-        spread *= (replicates - 1) / (replicates + 1)
     spread = few.at_least(spread, value)
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
     freedom = few.freedom(value, spread)
-    relmse = value / (3.0 * float(seen.known.sum()))
     unmet = math.log1p(unmet_light(seen, epsilon) / relmse) / _Z
     return Figure(
         relmse,
@@ -143,7 +143,7 @@ class _Sums:
         seen, known, spread, kept = self._seen, self._seen.known, 0.0, iter(self._weights)
         ways = len(self._halvings)
         shared = None
-        if seen.shares_paths and seen.replicates >= 4:
+        if seen.shares_paths:
             shared = SharedPaths(seen.replicates)
         for rows, m, k in seen.bands():
             # Worked out twice: kept, the halves of a large picture would take as much memory as
@@ -276,7 +276,7 @@ def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:
     estimate is then 9/8 of that of all, which is not worth the time in a large picture.
     """
     everything = list(range(replicates))
-    if replicates < 4:
+    if replicates < LEAST_FOR_INTERVAL:
         yield everything, everything
         return
     size = replicates // 2
