@@ -38,6 +38,9 @@ from lanewise.simd import WIDEST
 #: Normal quantile of the confidence that `unmet_light` has, 97.5 %.
 _Z = 1.96
 
+#: Least relMSE whose parts can be squared; only that of the literature, of dark pictures, is smaller.
+_FAINTEST = 1e-15
+
 #: Above this number of pixels, one way to halve the replicates is enough, and machine code is worth
 #: loading.
 _LARGE = 2**16
@@ -102,7 +105,8 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     spread = few.at_least(spread, value)
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
-    freedom = few.freedom(value, spread)
+    # Smaller squared errors have products that are no float32: then one pixel may carry them all.
+    freedom = few.freedom(value, spread) if relmse > _FAINTEST else 1.0
     unmet = math.log1p(unmet_light(seen, epsilon) / relmse) / _Z
     return Figure(
         relmse,
@@ -142,9 +146,7 @@ class _Sums:
         """Find the sum of sigma^4 by products of halves, given the weights of classes."""
         seen, known, spread, kept = self._seen, self._seen.known, 0.0, iter(self._weights)
         ways = len(self._halvings)
-        shared = None
-        if seen.shares_paths:
-            shared = SharedPaths(seen.replicates)
+        shared = SharedPaths(seen.replicates) if seen.shares_paths else None
         for rows, m, k in seen.bands():
             # Worked out twice: kept, the halves of a large picture would take as much memory as
             # a film.

@@ -123,6 +123,16 @@ def test_light_of_few_events_in_half_a_picture_does_not_excuse_itself():
     assert held > 51
 
 
+@pytest.mark.parametrize("scale", [1e-12, 1e-10, 1.0, 1e10])
+def test_no_brightness_makes_an_interval_short(scale):
+    """Where epsilon of the literature outweighs the light, products of errors are below float32."""
+    noise = np.random.default_rng(8).normal(1.0, 0.1, (24, 24, 4, 1)) * np.ones(3)
+    means, counts = (scale * noise).astype(np.float32), np.full((24, 24, 4), 16)
+    found = estimate_relmse(means, counts).figure_literature
+    assert 0.0 < found.value < 0.1
+    assert 1.0 <= found.freedom < 1.1 * 24**2
+
+
 @pytest.mark.parametrize("replicates", [2, 3])
 def test_the_summary_tells_why_there_is_no_interval(replicates):
     means = np.random.default_rng(7).gamma(4.0, 0.25, (16, 16, replicates, 3)).astype(np.float32)
