@@ -38,7 +38,7 @@ from lanewise.simd import WIDEST
 #: Normal quantile of the confidence that `unmet_light` has, 97.5 %.
 _Z = 1.96
 
-#: Least relMSE whose parts can be squared; only that of the literature, of dark pictures, is smaller.
+#: Least relMSE whose parts can be squared: the literature's is smaller in very dark pictures.
 _FAINTEST = 1e-15
 
 #: Above this number of pixels, one way to halve the replicates is enough, and machine code is worth
