@@ -19,7 +19,7 @@ PACKAGE = Path(alight.__file__).parent
 
 RENDER = """
 import hashlib, sys, alight
-scene = alight.load("cornell-box", ["film.size=[24,16]", "integrator.type=direct"])
+scene = alight.load("cornell-box", ["film.size=[24,16]", "integrator.type=ambient_occlusion"])
 film = alight.render(scene, spp=8)
 print(hashlib.sha256(film.sums.tobytes()).hexdigest(), "numba" in sys.modules)
 """
