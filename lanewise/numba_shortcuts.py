@@ -96,15 +96,15 @@ class Uncoloured:
         return str
 
 
-def variables_in(_instruction: Any, value: Any, found: list | None = None) -> list:
+def variables_in(_instruction: Any, value: Any, before: list | None = None) -> list:
     """Numba's method `_rec_list_vars` of an instruction, which makes a list for each value."""
-    found = [] if found is None else found
+    found: list = [] if before is None else before
     if isinstance(value, str):  # most are
         pass
     elif isinstance(value, ir.Var):
         found.append(value)
     elif isinstance(value, ir.Inst):
-        found += value.list_vars()
+        found.extend(value.list_vars())
     elif isinstance(value, list | tuple | dict):
         for one in value.values() if isinstance(value, dict) else value:
             variables_in(_instruction, one, found)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections import namedtuple
 from types import FunctionType
-from typing import NamedTuple
 
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
-from numba import typeof
 
-from lanewise import jit, kept_functions, machine, numba_adapter
+from lanewise import jit, machine, numba_adapter
 from lanewise.application import variable
 from lanewise.jit import instantiate, kernel, specialised
 from lanewise.machine import functions_folder, lanes_of_machine
@@ -397,11 +395,3 @@ def test_fields_of_records_are_in_the_description_of_a_type():
     kinds = [Pair(1, 2.0), turned(1, 2.0), (1, 2.0), Pair(1, 2), Pair((1,), 2.0), 1, np.float32(1)]
     found = [description(typeof(kind)) for kind in kinds]
     assert len(set(found)) == len(found)
-
-
-def test_types_of_records_that_cannot_be_found_again_are_not_kept():
-    class Local(NamedTuple):
-        x: int
-
-    assert kept_functions.comes_back(typeof(Vec3(1.0, 2.0, 3.0)))
-    assert not kept_functions.comes_back(typeof(Local(1)))
