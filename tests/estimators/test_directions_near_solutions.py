@@ -71,7 +71,7 @@ def test_a_search_is_taken_by_its_density_over_the_largest(part):
     rng = np.random.default_rng(8)
     words = tuple(rng.integers(0, 1 << 32, N, dtype=np.uint32) for _ in range(2))
     none = np.zeros(N, np.uint32)
-    search = Search(*[()] * 5, stream=Stream(*words, none), first=none)
+    search = Search(*[()] * 7, stream=Stream(*words, none), first=none, most=())
     most = np.float32(float(end.density) / part)
     trial = Trial(search, (), end.w, most, (), ())
     result = Result(end, *[()] * 5)
