@@ -12,7 +12,8 @@ from tests.estimators.test_caustics import blocks, reflected
 
 HEIGHT, FOV, AT = 3.0, 40.0, 0.5
 #: The camera is below water of 1 m; above are leaves that let 60 % through, below is a
-#: surface that is not there.
+#: surface that is not there. What is made of the other material is behind the floor: so both tests
+#: need the same kernels.
 HEAD = """
 alight: 1
 camera: {fov: %g, transform: {look_at: {origin: [0, %g, 0.001], target: [0, 0, 0]}}}
@@ -23,6 +24,7 @@ bsdfs:
   floor: {type: diffuse, reflectance: 0.5}
   leaf: {type: mask, opacity: 0.4, bsdf: {type: diffuse, reflectance: 0}}
   water: %s
+  other: %s
 nodes:
   floor: {shape: rectangle, bsdf: floor, transform: [{scale: 2}, {rotate: {axis: x, angle: -90}}]}
   air: {shape: rectangle, bsdf: {type: 'null'}, transform: [{scale: 9},
@@ -31,6 +33,7 @@ nodes:
     {translate: [0, 1, 0]}]}
   leaf: {shape: rectangle, bsdf: leaf, transform: [{scale: 9}, {rotate: {axis: x, angle: -90}},
     {translate: [0, 1.6, 0]}]}
+  other: {shape: sphere, bsdf: other, transform: {translate: [0, -20, 0]}}
   bulb: {light: {type: point, intensity: [3, 4, 5]}, transform: {translate: [0, 3, 0]}}
 """
 
@@ -41,6 +44,8 @@ MIXED = """
       - {type: dielectric, int_ior: 1.33}
       - {type: mask, opacity: 0.5, bsdf: {type: dielectric, int_ior: 1.6}}
 """
+ABBE, N_D = 15.0, 1.5
+PRISM = f"{{type: dielectric, int_ior: {N_D}, dispersion: {ABBE}}}"
 LINES = LINE_D, LINE_F, LINE_C
 
 
@@ -71,7 +76,7 @@ def _demand(film, of_one):
 
 def test_every_model_of_a_material_refracts_by_its_share():
     """Half water, half of that a denser liquid with holes: two caustics, and direct light."""
-    film = alight.render(loads(HEAD % (FOV, AT, MIXED)), spp=512, seed=2)
+    film = alight.render(loads(HEAD % (FOV, AT, MIXED, PRISM)), spp=512, seed=2)
     x = _from_the_foot()
     straight = HEIGHT / (HEIGHT**2 + x**2) ** 1.5
     one = 0.5 * _irradiance_below(x, 1.33) + 0.25 * (_irradiance_below(x, 1.6) + straight)
@@ -80,12 +85,21 @@ def test_every_model_of_a_material_refracts_by_its_share():
 
 def test_light_is_dispersed_on_its_way():
     """Each wavelength has an index, and so an irradiance; channels are means over them."""
-    abbe, n_d = 15.0, 1.5
-    water = f"{{type: dielectric, int_ior: {n_d}, dispersion: {abbe}}}"
-    film = alight.render(loads(HEAD % (FOV, AT, water)), spp=512, seed=5)
-    u = ((np.arange(256) + 0.5) / 256.0).astype(np.float32)
+    film = alight.render(loads(HEAD % (FOV, AT, PRISM, MIXED)), spp=512, seed=5)
+    u = ((np.arange(24) + 0.5) / 24.0).astype(np.float32)
     lines = 1.0 / np.square([*(wavelength_at(u) / 1000.0), *(np.array(LINES) / 1000.0)])
-    index = n_d + (n_d - 1.0) / abbe * (lines[:-3] - lines[-3]) / (lines[-2] - lines[-1])
+    index = N_D + (N_D - 1.0) / ABBE * (lines[:-3] - lines[-3]) / (lines[-2] - lines[-1])
     of_each = np.stack([_irradiance_below(_from_the_foot(), n) for n in index], -1)
     w = weights_at(u)
     assert _demand(film, of_each @ np.stack([w.x, w.y, w.z], -1) / len(u)) < 0.03
+
+
+def test_holes_are_edges_of_paths():
+    """To the floor, through what is not there, water and leaves, to the lamp: five edges."""
+    text = HEAD % (FOV, AT, PRISM, MIXED)
+    dark, lit = (
+        alight.render(loads(text.replace("max_depth: 5", f"max_depth: {n}")), spp=16).mean
+        for n in (4, 5)
+    )
+    assert not dark.any()
+    assert lit.any(axis=(0, 1)).all()
