@@ -1,6 +1,6 @@
 """Caustics at places that light passes: rough glass, with bodies and colours on either side.
 
-And on a wall behind leaves and what has holes, where light sampling and chains may find one lamp.
+And on a wall behind leaves and what has holes, where a lamp may also be seen straight ahead.
 """
 
 import math
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.proofs
 SCENE = """
 alight: 1
 sampler: {type: independent}
-integrator: {type: path, max_depth: %d, caustics: %s, russian_roulette: none}
+integrator: {type: path, max_depth: %d, caustics: %s, russian_roulette: none, light_sampling: bsdf}
 camera: {type: pinhole, fov: %g, transform: {look_at: {origin: %s, target: %s, up: [0, 1, 0]}}}
 film: {size: [8, 8], filter: {type: box}}
 bsdfs:

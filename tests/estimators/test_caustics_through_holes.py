@@ -90,6 +90,9 @@ def test_light_is_dispersed_on_its_way():
     lines = 1.0 / np.square([*(wavelength_at(u) / 1000.0), *(np.array(LINES) / 1000.0)])
     index = N_D + (N_D - 1.0) / ABBE * (lines[:-3] - lines[-3]) / (lines[-2] - lines[-1])
     of_each = np.stack([_irradiance_below(_from_the_foot(), n) for n in index], -1)
+    # Each of few samples has the colour of its wavelength.
+    lit = film.mean[film.mean.all(-1)] / [3.0, 4.0, 5.0]
+    assert np.median(np.ptp(lit, axis=-1) / lit.max(-1)) > 0.05
     w = weights_at(u)
     assert _demand(film, of_each @ np.stack([w.x, w.y, w.z], -1) / len(u)) < 0.03
 

@@ -214,4 +214,6 @@ def search_lamps(scene, search, begin):
         next_stage = where(draws, lanes_u32(HIT), next_stage)
         late = late | hits
         stage = where(stage == ENDED, stage, next_stage)
-    return Result(first, second, type, drawn, found, edges, rays)
+    return Result(
+        first=first, second=second, type=type, w=drawn, found=found, edges=edges, rays=rays
+    )
