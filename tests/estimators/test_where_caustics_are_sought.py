@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.specular import EVENT_BITS, EVENT_MASK
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
 from alight.integrators.caustics.chain_types import (
-    EVENT_BITS,
-    EVENT_MASK,
     MOST_EVENTS,
     Type,
     follows_chains,
@@ -76,13 +75,3 @@ def test_the_events_of_the_longest_chain_have_bits_of_their_own():
     assert type_.count == MOST_EVENTS and EVENT_BITS * MOST_EVENTS <= 32
     read = [(int(type_.events) >> (EVENT_BITS * i)) & EVENT_MASK for i in range(MOST_EVENTS)]
     assert read == kinds.tolist()
-
-
-def test_chains_do_not_go_through_glass_that_disperses_light():
-    """Where a ray leads would depend on its wavelength, so paths find that light as before."""
-    pictures = [
-        picture_of(scene(way, "dielectric, dispersion: 20", SHINING), 16)
-        for way in ("manifold", "paths")
-    ]
-    np.testing.assert_array_equal(*pictures)
-    assert len(np.unique(pictures[0].reshape(-1, 3), axis=0)) > 2

@@ -34,7 +34,7 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/plastics/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
-    "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
+    "bsdfs/dispatch.py layer_of: 0 -> 1 (7)": (
         "idle lanes read the second word of the table; what they find is thrown away"
     ),
     (
