@@ -86,3 +86,24 @@ def test_chains_do_not_go_through_glass_that_disperses_light():
     ]
     np.testing.assert_array_equal(*pictures)
     assert len(np.unique(pictures[0].reshape(-1, 3), axis=0)) > 2
+
+
+BODY = """
+alight: 1
+integrator: {type: path, max_depth: 8, caustics: %s}
+camera: {fov: 30, transform: {look_at: {origin: [0, 0, 4], target: [0, 0, 0]}}}
+film: {size: [4, 4]}
+nodes:
+  body: {shape: {type: sphere, radius: 1.5}, bsdf: {type: subsurface, radius: 2}}
+  bulb: {shape: {type: sphere, radius: 0.3, center: [0, 0, 1]}, bsdf: {type: dielectric, int_ior: 1.2}}
+  lamp:
+    shape: {type: sphere, radius: 0.1, center: [0, 0, 1]}
+    light: {type: area, radiance: 5}
+"""
+
+
+def test_no_chain_begins_inside_of_a_body():
+    """Light that enters a body wanders: no chain leads straight on from there."""
+    pictures = [picture_of(loads(BODY % way), 8) for way in ("manifold", "paths")]
+    np.testing.assert_array_equal(*pictures)
+    assert pictures[0].max() > 0.0

@@ -40,6 +40,7 @@ from tests.mutants.training import TRAINING
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
 from tests.mutants.view import VIEW
+from tests.mutants.walks import WALKS
 from tests.mutants.waves import WAVES
 
 MUTANTS = (
@@ -74,6 +75,7 @@ MUTANTS = (
     + LAWS
     + WAVES
     + MANIFOLDS
+    + WALKS
     + GUIDING
     + TRAINING
     + FORMATS
