@@ -6,10 +6,14 @@ import pytest
 from alight.core.vec import Vec3
 from alight.lights.targets import (
     FINE,
+    SHINING,
     choose_target,
+    end_at_point,
     far_light,
     leads_to_disk,
+    radius_at,
     target_at,
+    way_to,
     way_to_caster,
 )
 from lanewise.jit import instantiate
@@ -135,3 +139,70 @@ def test_without_mirrors_nothing_is_aimed_at():
     way = instantiate(way_to_caster, scene.program, compiled=False)
     there, _ = way(scene.tables, Vec3(half, half, half), half, (half, half, half))
     assert not np.any(there)
+
+
+def row_of(scene, middle):
+    """The row of the target in some place."""
+    rows = np.arange(4, dtype=np.uint32)
+    middles = vectors(instantiate(target_at, scene.program, compiled=False)(scene.tables, rows).c, 4)
+    [row] = np.flatnonzero(np.abs(middles - middle).max(axis=1) < 1e-4)
+    return np.uint32(row)
+
+
+#: Where they are or whence they come, and the irradiance at a distance.
+DELTA = {
+    "a bulb": ([0.0, 7.0, 1.0], lambda distance: 3.0 / distance**2),
+    "a beam": ([0.0, np.sin(np.radians(50.0)), -np.cos(np.radians(50.0))], lambda distance: 2.0),
+}
+
+
+@pytest.mark.parametrize("name", DELTA)
+def test_a_light_without_a_size_is_a_disk_of_its_irradiance(name):
+    """It ends the rays that lead to it, unless they meet something before."""
+    scene = compiled(SCENE % "")
+    middle, irradiance = DELTA[name]
+    row, n = row_of(scene, middle), 6
+    o = np.float32([[0.5, 2.0, -1.0]] * n)
+    aim, end, radius, way = (
+        np.errstate(all="ignore")(instantiate(text, scene.program, compiled=False))
+        for text in (target_at, end_at_point, radius_at, way_to)
+    )
+    start = Vec3(*o.T)
+    target = aim(scene.tables, np.full(n, row))
+    to = vectors(way(target, start), n)
+    far = name == "a beam"
+    wanted = np.array(middle) if far else middle - o
+    np.testing.assert_allclose(to, np.broadcast_to(wanted, (n, 3)), atol=1e-5)
+    distance = np.linalg.norm(to, axis=1)
+    # One angle from everywhere.
+    seen = np.broadcast_to(radius(target, np.float32(distance)), n) / distance
+    np.testing.assert_allclose(seen, FINE, rtol=1e-5)
+    axis = to / distance[:, None]
+    across = np.cross(axis, [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    # Ahead, within the part that shines, beyond it, behind; then blocked, and not asked.
+    aside = SHINING * FINE * np.array([0.0, 0.98, 1.02, 0.0, 0.0, 0.0])
+    d = axis + aside[:, None] * across
+    d[3] *= -1.0
+    d /= np.linalg.norm(d, axis=1)[:, None]
+    t = np.full(n, np.inf, np.float32)
+    t[4] = 2.0
+    last = np.arange(n) != 5
+    ends, found = end(scene.tables, target, start, Vec3(*np.float32(d.T)), t, last)
+    lit = np.array([True, True, False, False, False, False])
+    radiance = irradiance(distance[0]) / (np.pi * (SHINING * FINE) ** 2)
+    np.testing.assert_allclose(vectors(found, n)[:, 1], np.where(lit, radiance, 0.0), rtol=1e-4)
+    if far:
+        np.testing.assert_array_equal(np.isfinite(ends), np.arange(n) == 4)
+    else:
+        np.testing.assert_allclose(ends, np.where(lit, distance, t), rtol=1e-5)
+
+
+def test_a_lamp_with_a_shape_has_one_radius_from_everywhere():
+    scene = compiled(SCENE % "")
+    target = instantiate(target_at, scene.program, compiled=False)(
+        scene.tables, row_of(scene, [1.0, 2.0, 3.0])
+    )
+    radius = instantiate(radius_at, scene.program, compiled=False)
+    for distance in np.float32([0.7, 1.0, 30.0]):
+        np.testing.assert_allclose(radius(target, distance), 0.5, rtol=1e-4)
