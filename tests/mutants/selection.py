@@ -1,7 +1,8 @@
 """Which tests concern a file of the package, the most telling first.
 
-First those that import the file itself, then the folders of tests that stand for its part of the
-package, the cheapest first: closed-form values and the NumPy twin before whole pictures.
+First those that import the file itself or have the name of its folder, then the folders of tests
+that stand for its part of the package, the cheapest first: closed-form values and the NumPy twin
+before whole pictures.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ FOLDERS = {
     "phases": "media laws sampling edges extension images",
     "rendering": "known_error film rendering metrics lab",
     "samplers": "samplers core estimators rendering images",
-    "scene": "scene motion shapes formats media lights",
+    "scene": "scene motion shapes formats media physics lights",
     "shapes": "shapes laws unit accel sampling lights edges motion images",
     "textures": "textures laws edges physics sampling images",
     "tone_curves": "outputs film view",
@@ -53,7 +54,9 @@ def select_tests(root: Path, file: str) -> tuple[list[str], list[str]]:
         for path in (root / "tests").rglob("test_*.py")
         if path.relative_to(root / "tests").parts[0] not in ELSEWHERE
     )
-    near = [path for path in files if module in _imports(root, path)]
+    # Readers of one format have a folder of tests, which call them by the names of files.
+    own = root / "tests" / Path(file).parent if file.count("/") > 1 else None
+    near = [path for path in files if module in _imports(root, path) or path.parent == own]
     folders = FOLDERS[file.partition("/")[0]].split()
     far = [
         path
