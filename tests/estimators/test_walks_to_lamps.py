@@ -221,8 +221,7 @@ def test_what_is_drawn_and_refused_adds_up_to_the_solid_angle():
         kept = instantiate(_is_kept, compiled=False)(rng.random(n, np.float32), own, most)
         with np.errstate(all="ignore"):
             taken = sum(
-                c * np.minimum(p / most, 1.0)
-                for c, p in zip(chances, (wide, narrow), strict=True)
+                c * np.minimum(p / most, 1.0) for c, p in zip(chances, (wide, narrow), strict=True)
             )
             value = np.where((q <= 1.0) & kept, 1.0 / (taken * most), 0.0)
         values.append((chance * value.mean(), chance**2 * value.var() / n))

@@ -144,7 +144,9 @@ def test_without_mirrors_nothing_is_aimed_at():
 def row_of(scene, middle):
     """The row of the target in some place."""
     rows = np.arange(4, dtype=np.uint32)
-    middles = vectors(instantiate(target_at, scene.program, compiled=False)(scene.tables, rows).c, 4)
+    middles = vectors(
+        instantiate(target_at, scene.program, compiled=False)(scene.tables, rows).c, 4
+    )
     [row] = np.flatnonzero(np.abs(middles - middle).max(axis=1) < 1e-4)
     return np.uint32(row)
 

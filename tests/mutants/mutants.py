@@ -1,6 +1,7 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.beyond_examples import BEYOND_EXAMPLES
 from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
@@ -88,4 +89,5 @@ MUTANTS = (
     + EVERYDAY
     + FOREIGN
     + LAID_DOWN
+    + BEYOND_EXAMPLES
 )

@@ -4,9 +4,7 @@ from tests.mutants.mutant import Mutant
 
 TESTS = "tests/estimators/test_walks_to_lamps.py"
 SLOPES = f"{TESTS}::test_walks_end_at_the_ray_through_water_with_the_slopes_that_it_has"
-BODY = (
-    "tests/estimators/test_where_caustics_are_sought.py::test_no_chain_begins_inside_of_a_body"
-)
+BODY = "tests/estimators/test_where_caustics_are_sought.py::test_no_chain_begins_inside_of_a_body"
 
 WALKS = (
     Mutant(
