@@ -143,9 +143,9 @@ def test_walks_end_at_the_ray_through_water_with_the_slopes_that_it_has():
     rng, scene = np.random.default_rng(4), compiled(WATER)
     p = np.concatenate([rng.uniform([0.5, -0.3], [1.2, 0.3], (N, 2)), np.full((N, 1), -1.0)], 1)
     # Towards a place above the lamp, as if there was no water.
-    w = LAMP + [0.0, 0.0, 1.0] - p
+    w = LAMP + np.array([0.0, 0.0, 1.0]) - p
     w /= np.linalg.norm(w, axis=1, keepdims=True)
-    above = vec3(p + [0.0, 0.0, 0.5])
+    above = vec3(p + np.array([0.0, 0.0, 0.5]))
     one, none = np.ones(N, bool), np.zeros(N, np.uint32)
     run = np.errstate(all="ignore")(instantiate(searched, scene.program, compiled=False))
     # Rays are counted by the bits of a packet, of which there is none here.

@@ -56,7 +56,7 @@ def test_chains_are_followed_where_a_material_mirrors():
         program = lamp._replace(bsdfs=material.program.bsdfs, textures=material.program.textures)
         turns = mirrors(material)
         assert follows_chains(program) or not turns, name
-        # Paths are sent towards such materials; a lacquer without a reflectance sends nothing on.
+        # Paths are sent towards such; a lacquer without a reflectance sends nothing on.
         assert is_caster(spec) == turns or spec.specular_reflectance == (0, 0, 0), name
         found.add(turns)
     assert found == {False, True}
@@ -99,7 +99,9 @@ camera: {fov: 30, transform: {look_at: {origin: [0, 0, 4], target: [0, 0, 0]}}}
 film: {size: [4, 4]}
 nodes:
   body: {shape: {type: sphere, radius: 1.5}, bsdf: {type: subsurface, radius: 2}}
-  bulb: {shape: {type: sphere, radius: 0.3, center: [0, 0, 1]}, bsdf: {type: dielectric, int_ior: 1.2}}
+  bulb:
+    shape: {type: sphere, radius: 0.3, center: [0, 0, 1]}
+    bsdf: {type: dielectric, int_ior: 1.2}
   lamp:
     shape: {type: sphere, radius: 0.1, center: [0, 0, 1]}
     light: {type: area, radiance: 5}

@@ -1,4 +1,4 @@
-"""Displacement of files by its formula: how far points move, what that costs, and who is left out."""
+"""Displacement of files by its formula: how far points move, what that costs, who is left out."""
 
 import numpy as np
 import pytest

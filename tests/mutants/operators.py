@@ -40,9 +40,9 @@ STATISTICS = (
     "lab/replicates/steering.py",
 )
 
-#: What computes on pages, in options, readers and writers without being either. Tests of clusters and
-#: of the command line start processes that know nothing of a slip that was planted in memory: their
-#: bugs are planted by hand.
+#: What computes on pages, in options, readers and writers without being either. Tests of clusters
+#: and of the command line start processes that know nothing of a slip that was planted in memory:
+#: their bugs are planted by hand.
 PLAIN = (
     "compiled/casters.py",
     "compiled/light_gain.py",

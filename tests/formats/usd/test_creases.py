@@ -1,5 +1,6 @@
 """Creases of OpenUSD: chains of edges, with one sharpness each, or one an edge."""
 
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -28,13 +29,13 @@ def creases(lengths, indices, sharpness):
 def test_each_edge_has_its_own_sharpness_or_that_of_its_chain(seed, by_edge):
     rng = np.random.default_rng(seed)
     chains = [rng.permutation(30)[:n].tolist() for n in (2, 4, 3, 5)]
-    edges = [pair for chain in chains for pair in zip(chain, chain[1:], strict=False)]
+    edges = [pair for chain in chains for pair in itertools.pairwise(chain)]
     of_chains = rng.uniform(0.0, 12.0, len(chains))
     of_edges = [s for s, chain in zip(of_chains, chains, strict=True) for _ in chain[1:]]
     said = of_chains
     if by_edge:
         said = of_edges = rng.uniform(0.0, 12.0, len(edges))
-    found, sharpness = creases([*map(len, chains)], sum(chains, []), list(said))
+    found, sharpness = creases([*map(len, chains)], [*itertools.chain(*chains)], list(said))
     assert found.tolist() == [list(map(int, edge)) for edge in edges]
     np.testing.assert_allclose(sharpness, np.minimum(of_edges, SHARPEST))
 
