@@ -60,6 +60,15 @@ def test_pieces_are_about_as_many_as_there_are(stretch):
     assert 8.0 <= _pieces(corners * 1e-3, 1.0) < 9.0
 
 
+def test_pieces_of_a_triangle_by_its_area_and_its_longest_side():
+    """Half of 3 times 4 over a fifth of the square of an edge; the longest side is 5."""
+    rng = np.random.default_rng(1)
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    corners = (np.array([[[0, 0, 0], [3, 0, 0], [0, 4, 0]]]) @ turn)[:, rng.permutation(3)]
+    np.testing.assert_allclose(_pieces(corners, 0.5), 6.0 / (0.2 * 0.25) + 2.0 * 5.0 / 0.5 + 1.0)
+    np.testing.assert_allclose(_pieces(corners, 6.0), 6.0 / (0.2 * 36.0) + 1.0)
+
+
 def square(side=1.0):
     """A square in z = 0 of two triangles."""
     points = side * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
