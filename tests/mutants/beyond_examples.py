@@ -124,4 +124,25 @@ BEYOND_EXAMPLES = (
         ),
         f"{WRAPS}[clamp-black-clamp,mirror]",
     ),
+    Mutant(
+        "concave polygons seen along the axis that they are narrowest on",
+        "meshes/concave.py",
+        (("np.abs(normal).argmax()", "np.abs(normal).argmin()"),),
+        "tests/meshes/test_concave_polygons.py"
+        "::test_no_triangle_covers_what_the_polygon_does_not[False-comb]",
+    ),
+    Mutant(
+        "edges of a chain of creases that each have a sharpness, by the chain",
+        "formats/usd/subdivision.py",
+        (("len(edges) if by_edge else chain", "chain if by_edge else len(edges)"),),
+        "tests/formats/usd/test_creases.py"
+        "::test_each_edge_has_its_own_sharpness_or_that_of_its_chain[0-False]",
+    ),
+    Mutant(
+        "what a medium in coloured glass emits, as bright as from its surface",
+        "integrators/interiors/collisions.py",
+        (("dimmed(path.beta * absorbed * Le, left)", "(path.beta * absorbed * Le)"),),
+        "tests/estimators/test_absorption.py"
+        "::test_what_media_in_coloured_glass_emit_is_dimmed_from_where_it_is",
+    ),
 )

@@ -31,7 +31,9 @@ def mesh(size, place=0.0):
     [cube(1e5), cube(-1e5), cube(1e5, axis=1), cube(-1e5, axis=2), mesh(1.0, 1e5), cube(1e2, 1e-3)],
 )
 def test_what_is_far_away_for_its_size_is_rounded(node):
-    (text,) = warnings_of(near=cube(10.0), far=node)
+    texts = warnings_of(near=cube(10.0), far=node)
+    assert len(texts) == 1, texts
+    text = texts[0]
     assert text.startswith("far: 1")
     assert "m from the origin" in text
 

@@ -28,8 +28,12 @@ def test_light_paths_refuse_it(integrator, bsdf):
 
 
 def test_strands_are_looked_at_beyond_the_first():
-    with pytest.raises(alight.SceneError, match="hair: hair"):
+    said = ""
+    try:
         flat("light", "hair", wire={"shape": STRAND, "bsdf": {"type": "diffuse"}})
+    except alight.SceneError as error:
+        said = str(error)
+    assert "hair: hair" in said
 
 
 @pytest.mark.parametrize(("integrator", "bsdf"), [("path", "hair"), ("bidirectional", "diffuse")])
