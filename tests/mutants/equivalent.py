@@ -224,9 +224,8 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/coat_normals.py axes_of: own.normal.x -> own.normal.y": (
         "times 0: it gives a number its lanes"
     ),
-    "integrators/shadow_rays.py transmittance_through_holes: crossing.passed.x -> crossing.passed.y": (
-        "without media nothing colours what is passed: 0 or 1 in all channels"
-    ),
+    "integrators/shadow_rays.py transmittance_through_holes: crossing.passed.x -> "
+    "crossing.passed.y": ("without media nothing colours what is passed: 0 or 1 in all channels"),
     "metrics/survey.py _bands: 1 -> 2": ("two rows lie in one band, which is all of them"),
     "films/sample_ranges.py SampleRanges.union: _union(self, other) -> _union(other, self)": (
         "ranges are put in order whichever come first"
