@@ -25,8 +25,8 @@ import numpy as np
 from harness import print_json, print_table
 
 import alight
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.metrics.comparison import Comparison, PictureStatistics, compare_pictures
 from alight.scene import Node, Scene
 

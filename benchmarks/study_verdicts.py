@@ -20,7 +20,7 @@ import numpy as np
 from scipy import stats
 
 import alight
-from alight.bsdfs import diffuse
+from alight.bsdfs.matte import diffuse
 from alight.core.field_types import Reflectance
 from alight.core.noise_only import NoiseOnly
 from alight.core.spec import Bsdf

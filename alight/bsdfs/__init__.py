@@ -1,33 +1,13 @@
 """Scattering at surfaces, one model per file. A new model is one file and one line here."""
 
-from alight.bsdfs import (
-    blend,
-    bump_map,
-    burley,
-    burley_thin,
-    coated_conductor,
-    conductor,
-    dielectric,
-    diffuse,
-    diffuse_transmission,
-    eon,
-    hair,
-    mask,
-    mirror,
-    normal_map,
-    null,
-    oren_nayar,
-    phong,
-    plastic,
-    principled,
-    rough_conductor,
-    rough_dielectric,
-    rough_plastic,
-    subsurface,
-    thin_dielectric,
-    two_sided,
-    uniform_scatter,
-)
+from alight.bsdfs.adapters import blend, bump_map, mask, normal_map, two_sided
+from alight.bsdfs.conductors import coated_conductor, conductor, mirror, rough_conductor
+from alight.bsdfs.dielectrics import dielectric, null, rough_dielectric, thin_dielectric
+from alight.bsdfs.disney import burley, burley_thin, principled
+from alight.bsdfs.fibres import hair
+from alight.bsdfs.interiors import subsurface
+from alight.bsdfs.matte import diffuse, diffuse_transmission, eon, oren_nayar, uniform_scatter
+from alight.bsdfs.plastics import phong, plastic, rough_plastic
 
 MODELS = (
     diffuse,

@@ -1,9 +1,9 @@
 r"""The scattering of any surface of a scene, whatever its material is made of.
 
-A material is a sum of models (`alight.bsdfs.nesting`), each with a share that may vary over the
-surface. For most materials it is one model with share 1, and a program without blends and masks
-goes straight to it. Otherwise the models are visited one after the other, as long as one of the
-lanes has another one:
+A material is a sum of models (`alight.bsdfs.nesting`), each with a share that may vary
+over the surface. For most materials it is one model with share 1, and a program without blends and
+masks goes straight to it. Otherwise the models are visited one after the other, as long as one of
+the lanes has another one:
 
 .. math:: f = \sum_i s_i f_i, \qquad p = \sum_i s_i p_i
 

@@ -50,7 +50,7 @@ class Nested(Bsdf):
     weight_field : str
         Name of the field that holds the weight, or "" without one.
     bends_normals : bool
-        Whether it replaces the surface's normals, see `alight.bsdfs.relief`.
+        Whether it replaces the surface's normals, see `alight.bsdfs.normals.shading_normals`.
     """
 
     bends_normals: ClassVar[bool] = False
@@ -89,14 +89,14 @@ class Leaf(NamedTuple):
         Whether something above it says so.
     factors : tuple of (Nested, bool)
         Its share is their product: the weight of each, or where True, 1 - weight.
-    relief : Nested, optional
+    normals : Nested, optional
         The innermost material above it that bends normals.
     """
 
     bsdf: Bsdf
     two_sided: bool = False
     factors: tuple[tuple[Nested, bool], ...] = ()
-    relief: Nested | None = None
+    normals: Nested | None = None
 
 
 def leaves(spec: Bsdf) -> Iterator[Leaf]:
@@ -110,8 +110,8 @@ def leaves(spec: Bsdf) -> Iterator[Leaf]:
         own = () if part.share == "all" else ((spec, part.share == "rest"),)
         for leaf in leaves(part.bsdf):
             two_sided = leaf.two_sided or spec.makes_two_sided
-            relief = leaf.relief or (spec if spec.bends_normals else None)
-            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, relief)
+            normals = leaf.normals or (spec if spec.bends_normals else None)
+            yield Leaf(leaf.bsdf, two_sided, own + leaf.factors, normals)
 
 
 def is_matte(spec: Bsdf) -> bool:

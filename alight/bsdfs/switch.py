@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from alight.bsdfs import coat_normals
 from alight.bsdfs.model import BSDFS, BsdfModel, BsdfSample, BsdfValue, Inside, stride_of
-from alight.bsdfs.relief import BENT, bent_evaluate, bent_sample
+from alight.bsdfs.normals import coat_normals
+from alight.bsdfs.normals.shading_normals import BENT, bent_evaluate, bent_sample
 from alight.core.frame import mirrored_if
 from alight.core.registry import Kernel
 from alight.core.switch import is_one_of, switch
@@ -31,9 +31,9 @@ from lanewise.simd import (
 )
 
 #: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
-#: part of it, disperses light; its coat has normals of its own; and from bit `RELIEF` on, the row
+#: part of it, disperses light; its coat has normals of its own; and from bit `NORMALS` on, the row
 #: of its normal or bump map + 1.
-TWO_SIDED, MIXED, SPREADS, COATED_APART, RELIEF = 1, 2, 4, 8, 4
+TWO_SIDED, MIXED, SPREADS, COATED_APART, NORMALS = 1, 2, 4, 8, 4
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
 
@@ -56,9 +56,9 @@ def _turned(scene, row, wo):
 
 
 @kernel
-def _relief(scene, row):
+def _normals(scene, row):
     """Row of the map that bends a material's normals, + 1; 0 without one."""
-    return material_flags(scene, row) >> RELIEF
+    return material_flags(scene, row) >> NORMALS
 
 
 @kernel
@@ -138,9 +138,9 @@ def evaluate_row(program):
 
     if is_bent_below(program):
         bent = coat_normals.bent_evaluate
-        one_sided = bent(one_sided, stride_of(program.bsdfs), _relief, _is_coated_apart)
+        one_sided = bent(one_sided, stride_of(program.bsdfs), _normals, _is_coated_apart)
     elif BENT in program.bsdfs:
-        one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _relief)
+        one_sided = bent_evaluate(one_sided, stride_of(program.bsdfs), _normals)
     if SAME_BACK not in program.bsdfs:
         return one_sided
 
@@ -179,9 +179,9 @@ def sample_row(program):
 
     if is_bent_below(program):
         bent = coat_normals.bent_sample
-        one_sided = bent(one_sided, stride_of(program.bsdfs), _relief, _is_coated_apart)
+        one_sided = bent(one_sided, stride_of(program.bsdfs), _normals, _is_coated_apart)
     elif BENT in program.bsdfs:
-        one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _relief)
+        one_sided = bent_sample(one_sided, stride_of(program.bsdfs), _normals)
     if SAME_BACK not in program.bsdfs:
         return one_sided
 

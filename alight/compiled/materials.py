@@ -21,7 +21,7 @@ from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import COATED_APART, MIXED, RELIEF, SAME_BACK, SPREADS, TWO_SIDED
+from alight.bsdfs.switch import COATED_APART, MIXED, NORMALS, SAME_BACK, SPREADS, TWO_SIDED
 from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable
 from alight.core.spec import Bsdf, Texture
@@ -64,10 +64,10 @@ def compile_materials(
     rows = _Rows(stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec)))
     for texture in textures:
         rows.textures.number(texture)
-    rows.reserve_reliefs(bsdfs)
+    rows.reserve_normals(bsdfs)
     layers = [rows.add(spec) for spec in bsdfs]
-    for relief in rows.reliefs:
-        rows.put(relief, MIXED)
+    for normals in rows.normals:
+        rows.put(normals, MIXED)
     rows.used |= {LAYERED_NAME} if any(len(layer) > 1 for layer in layers) else set()
     lists = rows.pack_layers(layers)
     table = rows.textures.compiled()
@@ -97,14 +97,14 @@ class _Rows:
     curves: list[np.ndarray] = field(default_factory=list)
     used: set[str] = field(default_factory=set)
     numbers: dict[tuple[Bsdf, int], int] = field(default_factory=dict)
-    reliefs: dict[Bsdf, int] = field(default_factory=dict)
+    normals: dict[Bsdf, int] = field(default_factory=dict)
 
-    def reserve_reliefs(self, bsdfs: Sequence[Bsdf]) -> None:
+    def reserve_normals(self, bsdfs: Sequence[Bsdf]) -> None:
         """Number the rows of what bends normals: they follow those that shapes refer to."""
         for spec in bsdfs:
             for leaf in leaves(spec):
-                if leaf.relief is not None:
-                    self.reliefs.setdefault(leaf.relief, len(bsdfs) + len(self.reliefs))
+                if leaf.normals is not None:
+                    self.normals.setdefault(leaf.normals, len(bsdfs) + len(self.normals))
 
     def add(self, spec: Bsdf) -> list[Leaf]:
         """Make the row that a shape refers to; returns the models of the material."""
@@ -123,9 +123,9 @@ class _Rows:
         self.used |= {name, *features} | ({SAME_BACK} if leaf.two_sided else set())
         flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
         flags |= SPREADS * _spreads(leaf) | COATED_APART * (OWN_COAT in features)
-        if leaf.relief is not None:
-            self.used |= set(BSDFS[leaf.relief.type_name()].features(leaf.relief))
-            flags |= (self.reliefs[leaf.relief] + 1) << RELIEF
+        if leaf.normals is not None:
+            self.used |= set(BSDFS[leaf.normals.type_name()].features(leaf.normals))
+            flags |= (self.normals[leaf.normals] + 1) << NORMALS
         return flags
 
     def put(self, spec: Bsdf, flags: int) -> int:

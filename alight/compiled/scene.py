@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from alight.accel.accelerator import build_accelerator
-from alight.bsdfs.absorption import ABSORBING
+from alight.bsdfs.interiors.absorption import ABSORBING
 from alight.compiled.bodies import with_bodies
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told

@@ -18,16 +18,16 @@ from alight.core.errors import (
     quote,
 )
 from alight.formats import mitsuba, pbrt
-from alight.formats.bounds import Bounds
-from alight.formats.made_up import fitted
-from alight.formats.missing import replace_missing
-from alight.formats.models import READERS, read_model
+from alight.formats.geometry.bounds import Bounds
 from alight.formats.native import SUFFIXES
 from alight.formats.objects import name_of, parse_object
 from alight.formats.objects.pieces import SMOOTH, Look
-from alight.formats.parsed import Parsed
-from alight.formats.reach import OutOfReachError, Reach, is_file
-from alight.formats.shown import Shown
+from alight.formats.readers import READERS, read_model
+from alight.formats.reading.reach import OutOfReachError, Reach, is_file
+from alight.formats.reading.shown import Shown
+from alight.formats.scenes.made_up import fitted
+from alight.formats.scenes.missing import replace_missing
+from alight.formats.scenes.parsed import Parsed
 from alight.scene import plain_yaml
 from alight.scene.build import FORMAT_VERSION, Builder
 from alight.scene.description import Scene

@@ -11,11 +11,11 @@ from itertools import chain
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.formats.model_scene import Data, ModelScene
-from alight.formats.parsed import Parsed
-from alight.formats.reach import Reach
-from alight.formats.report import Report
-from alight.formats.surfaces import plain_surface
+from alight.formats.materials.surfaces import plain_surface
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
+from alight.formats.scenes.model_scene import Data, ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.meshes import ply, stl
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
@@ -33,12 +33,12 @@ _READ = {
 
 
 def parse_ply(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
-    """Read a PLY file as a scene; see `alight.formats.obj_scene.parse`."""
+    """Read a PLY file as a scene; see `alight.formats.obj.scene.parse`."""
     return _parse(ply.read, data, name, reach or Reach(), z_is_up=False)
 
 
 def parse_stl(data: bytes, name: str, reach: Reach | None = None) -> Parsed:
-    """Read an STL file as a scene; see `alight.formats.obj_scene.parse`."""
+    """Read an STL file as a scene; see `alight.formats.obj.scene.parse`."""
     return _parse(stl.read, data, name, reach or Reach(), z_is_up=True)
 
 

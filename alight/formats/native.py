@@ -13,7 +13,7 @@ import numpy as np
 
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.gltf.write import write
-from alight.formats.made_up import without_floor
+from alight.formats.scenes.made_up import without_floor
 from alight.media.volumes import holds_volume
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays

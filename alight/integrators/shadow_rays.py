@@ -51,7 +51,7 @@ def transmittance_through_holes(scene, ray, most, lit, rays):
     none = lanes_u32(0)
     segment = Segment(o, d, end, none, none, Stream(none, none, none))
     crossing, left, passed, rays = shadow_transmittance(scene, segment, bodies, most, lit, rays)
-    return crossing.passed.x * crossing.boost, left, passed, rays
+    return crossing.passed.x * crossing.weight, left, passed, rays
 
 
 @kernel
@@ -87,7 +87,7 @@ def _cross_segment(program):
 
 @kernel
 def _through_borders(scene, segment, bodies, most, lit, rays):
-    passed, light, boost = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
+    passed, light, weight = lanes_vec3(1.0), lanes_vec3(1.0), lanes(1.0)
     o, d, end, medium = segment.o, segment.d, segment.length, segment.medium
     going, number, left = lit, lanes_u32(0), all_left()
     while any_lane(going):
@@ -100,13 +100,13 @@ def _through_borders(scene, segment, bodies, most, lit, rays):
         found = _cross_segment(scene, part, going)
         passed = where(going, passed * found.passed, passed)
         light = where(going, light * found.light, light)
-        boost = where(going, boost * found.boost, boost)
+        weight = where(going, weight * found.weight, weight)
         surface = make_surface(scene, hit, o, d, met)
         bodies, left = cross_straight(scene, bodies, left, surface, (d, t), (going, met))
         number = where(met, number + 1, number)
         share = where(number > most, 0.0, open_share(scene, surface, met))
         # Not a factor of `passed`, which is a density of paths too: theirs leaves the holes out.
-        boost = where(met, boost * share, boost)
+        weight = where(met, weight * share, weight)
         passed = where(met & ~(share > 0.0), lanes_vec3(0.0), passed)
         through = met & (max_component(passed) > 0.0)
         beyond = spawn_origin(surface.p, surface.error, surface.ng, d)
@@ -115,4 +115,4 @@ def _through_borders(scene, segment, bodies, most, lit, rays):
         medium = where(through, medium_beyond(scene, surface, d, medium), medium)
         o = where(through, beyond, o)
         going = through
-    return Crossing(passed, light, boost), left, number, rays
+    return Crossing(passed, light, weight), left, number, rays

@@ -300,11 +300,11 @@ def _write_add_direct_light(chosen_weight, by_light, guided):
             )
             Le = dimmed(light.radiance, left)
             lit = lit & (max_component(crossing.passed) > 0.0)
-            w = chosen_weight(path, light, pdf, crossing) * crossing.boost
+            w = chosen_weight(path, light, pdf, crossing) * crossing.weight
             Ld = path.beta * f_cos * Le * crossing.passed * w
             path = gather_light(path, Ld, lit, path.depth == 0)
             if guided:
-                w = chosen_weight(path, light, of_bsdf, crossing) * crossing.boost
+                w = chosen_weight(path, light, of_bsdf, crossing) * crossing.weight
                 found = path.beta * f_cos * Le * crossing.passed * w
                 path = gather_unguided(path, found, lit)
         return replace(path, rays=rays)

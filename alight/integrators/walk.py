@@ -11,7 +11,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from alight.bsdfs.bodies import absorbs
+from alight.bsdfs.interiors.bodies import absorbs
 from alight.core.spec import Integrator
 from alight.core.vec import Vec3, dot, luminance, normalize
 from alight.core.wavelengths import DISPERSIVE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from alight.cameras.basis import perspective_half_extents, project_points
-from alight.formats.bounds import FOV, FOV_AXIS, MARGIN, NEAREST, Bounds
+from alight.formats.geometry.bounds import FOV, FOV_AXIS, MARGIN, NEAREST, Bounds
 from alight.laws.bodies import Body, N, placed_everywhere, rows_of
 from alight.laws.report import demand
 from alight.scene.transform import look_at

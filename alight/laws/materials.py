@@ -101,7 +101,7 @@ class Material:
 
     def is_bent(self) -> bool:
         """Whether a part of it has a normal or bump map."""
-        return any(leaf.relief is not None for leaf in leaves(self.spec))
+        return any(leaf.normals is not None for leaf in leaves(self.spec))
 
     def is_one_sided(self) -> bool:
         """All parts of it say that only light from the viewer's side reaches them."""

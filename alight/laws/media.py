@@ -147,7 +147,7 @@ def shadow_rays_come_through_as_the_transmittance_says(spec: Medium) -> None:
         segment, _ = _segment(o, d, length)
         with np.errstate(all="ignore"):
             crossing = run(scene.tables, segment, np.ones(N, bool))
-        passed = _columns(crossing.passed) * np.broadcast_to(crossing.boost, N)[:, None]
+        passed = _columns(crossing.passed) * np.broadcast_to(crossing.weight, N)[:, None]
         weight = passed / _columns(crossing.light).mean(axis=1, keepdims=True)
         expected = np.exp(-_depth(spec, o, d, length) * np.array(extinction(spec)))
         for c in range(3):

@@ -98,7 +98,7 @@ MUTANTS = {
         "radiance behind a refracting surface falls by 1 / eta for 1 / eta^2",
         (
             (
-                "bsdfs/dielectric.py",
+                "bsdfs/dielectrics/dielectric.py",
                 "where(reflects, 1.0, 1.0 / (eta * eta))",
                 "where(reflects, 1.0, 1.0 / eta)",
             ),
@@ -123,7 +123,7 @@ MUTANTS = {
     ),
     "light-choice-forgotten": Mutant(
         "light sampling forgets the probability of having chosen this light",
-        (("lights/sampling.py", "pdf = s.pdf * choice.plain", "pdf = s.pdf"),),
+        (("lights/sampling.py", "pdf = s.pdf * choice.mis_pmf", "pdf = s.pdf"),),
         "with two lights and more",
     ),
     "both-ways-in-full": Mutant(

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from alight.bsdfs.relief import HEIGHTS, STEP, BumpMapRow, bent_normal
+from alight.bsdfs.normals.shading_normals import HEIGHTS, STEP, BumpMapRow, bent_normal
 from alight.compiled.program import Program
 from alight.compiled.textures import TextureTable
 from alight.core.registry import versions

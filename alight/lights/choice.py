@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from alight.core.distributions import sample_discrete
 from alight.lights.tables import INFO, STRIDE
-from alight.lights.tree.traversal import Choice, choose_by_tree, plain_probability
+from alight.lights.tree.traversal import Choice, choose_by_tree, mis_probability
 from lanewise.jit import kernel, specialised
 from lanewise.simd import as_int, as_uint, gather, horizontal_max, lanes, to_float, where
 
@@ -38,12 +38,12 @@ def choose_light(program):
 
 @specialised
 def chosen_probability(program):
-    """``chosen_probability(scene, index, prim, p, active)``: `Choice.plain` of a light.
+    """``chosen_probability(scene, index, prim, p, active)``: `Choice.mis_pmf` of a light.
 
     index, prim: row of the light, and triangle of its mesh; p: the point that it was sampled for.
     """
     if program.light_tree:
-        return plain_probability
+        return mis_probability
 
     @kernel
     def of_its_row(scene, index, prim, p, active):

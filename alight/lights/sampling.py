@@ -163,7 +163,7 @@ def sample_known_light(program):
         choice = choose_light(scene, p, ns, u, u2, active)
         s = sample_chosen(scene, choice.index, p, choice.rest, u2)
         # The density for MIS, which does not know the normal.
-        pdf = s.pdf * choice.plain
+        pdf = s.pdf * choice.mis_pmf
         # No light from behind, from nowhere, or from farther than float32 can tell.
         valid = (pdf > 0.0) & is_finite(pdf) & (s.cosine > 0.0)
         radiance = s.radiance * gather_vec3(scene.lights.data, choice.index * STRIDE)
@@ -172,7 +172,7 @@ def sample_known_light(program):
         radiance, pdf = together(scene, choice.index, p, s.wi, radiance, pdf)
         if by_tree:
             # The estimate is divided by the true density, which knows the normal.
-            radiance = radiance * (choice.plain / where(valid, choice.pmf, 1.0))
+            radiance = radiance * (choice.mis_pmf / where(valid, choice.pmf, 1.0))
         radiance, pdf = where(valid, radiance, lanes_vec3(0.0)), where(valid, pdf, 0.0)
         return replace(s, radiance=radiance, pdf=pdf), choice.index
 

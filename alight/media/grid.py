@@ -275,17 +275,17 @@ def fly(scene, segment, u, active):
 def cross(scene, segment, active):
     """A `Crossing` along the `Segment` of a shadow ray."""
     way, t, going = _enter(scene, segment, active)
-    light, passed, boost, step = lanes_vec3(1.0), lanes(1.0), lanes(1.0), lanes_u32(0)
+    light, passed, weight, step = lanes_vec3(1.0), lanes(1.0), lanes(1.0), lanes_u32(0)
     while any_lane(going):
         v, w = step_numbers(segment.stream, step)
         inside, reached, real, change = _collide(scene, segment.medium, way, t, v, going)
         light = where(going, light * change, light)
         passed = where(inside, passed * maximum(1.0 - real, 0.0), passed)
-        dim = inside & (passed * boost < DIM)
+        dim = inside & (passed * weight < DIM)
         kept = w < KEPT
-        boost = where(dim & kept, boost * (1.0 / KEPT), boost)
+        weight = where(dim & kept, weight * (1.0 / KEPT), weight)
         passed = where(dim & ~kept, 0.0, passed)
         t = where(going, reached, t)
         going = inside & (passed > 0.0)
         step = step + 1
-    return Crossing(light * passed, light, boost)
+    return Crossing(light * passed, light, weight)

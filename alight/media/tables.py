@@ -53,8 +53,8 @@ Flight = namedtuple("Flight", "scattered t factor light albedo")
 
 #: How light comes through on the way of a shadow ray. passed (Vec3): transmittance; light (Vec3):
 #: density of what was chosen on the way; both over that density in the channel that chose;
-#: boost: further factor of the transmittance, from roulette and from holes in surfaces.
-Crossing = namedtuple("Crossing", "passed light boost")
+#: weight: further factor of the transmittance, from roulette and from holes in surfaces.
+Crossing = namedtuple("Crossing", "passed light weight")
 
 #: Names a stream of random numbers for the steps of a tracking: keys, and the first counter.
 Stream = namedtuple("Stream", "a b first")

@@ -7,7 +7,7 @@ from typing import Any
 
 from alight.formats import load
 from alight.formats.loading import changed
-from alight.formats.made_up import fitted
+from alight.formats.scenes.made_up import fitted
 from alight.options.plugins import load_plugins
 from alight.options.scene import SceneOptions
 from alight.scene import Scene

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from alight.bsdfs.dielectrics.null import Null
 from alight.bsdfs.nesting import leaves
-from alight.bsdfs.null import Null
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.registry import specs
 from alight.films import fixed_point

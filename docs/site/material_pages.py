@@ -17,7 +17,6 @@ from alight.scene.keys import flow, keys_of, tables_of
 
 DOCS = Path(__file__).resolve().parents[1]
 PAGES, IMAGES = DOCS / "materials", DOCS / "images" / "materials"
-SOURCES = "alight/bsdfs"
 
 _CHECKS = "{type: checkerboard, color0: 0, color1: 1, scale: [16, 8]}"
 _CLOTH = (
@@ -114,7 +113,7 @@ def page(module: ModuleType) -> str:
     summary, body, source = _split(inspect.cleandoc(module.__doc__ or ""))
     parts = [
         f"# {name.replace('_', ' ').capitalize()}",
-        f"`type: {name}`, from `{SOURCES}/{Path(module.__file__ or '').name}`",
+        f"`type: {name}`, from `{module.__name__.replace('.', '/')}.py`",
         f"![A ball of the material {name}](../images/materials/{name}.png)",
         f"**{to_markdown(summary)}**",
         to_markdown(body),

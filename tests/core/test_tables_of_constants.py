@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs import conductor, thin_film
+from alight.bsdfs.conductors import conductor
+from alight.bsdfs.disney import thin_film
 from alight.core import rng, vec
-from alight.formats import cie, metals, spectra
+from alight.formats.materials import cie, metals, spectra
 from alight.formats.pbrt import colors
 from alight.lights import atmosphere
 from alight.metrics import comparison

@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.nesting import MOST_LEVELS
-from alight.bsdfs.normal_map import NormalMap
 from alight.compiled.scene import compile_scene
 from alight.core.errors import SceneError
 from alight.formats import load, loads

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from alight.bsdfs import MODELS
+from alight.bsdfs.disney.principled import Principled
 from alight.bsdfs.dispatch import albedo_bsdf, evaluate_bsdf, sample_bsdf
 from alight.bsdfs.model import stride_of
-from alight.bsdfs.principled import Principled
 from alight.bsdfs.switch import models_of
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.registry import type_name_of

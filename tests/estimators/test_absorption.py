@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import yaml
 
-from alight.bsdfs.bodies import body_below
-from alight.bsdfs.dielectric import Dielectric
-from alight.bsdfs.mask import Mask
-from alight.bsdfs.null import Null
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.subsurface import Subsurface
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.null import Null
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.interiors.bodies import body_below
+from alight.bsdfs.interiors.subsurface import Subsurface
 from alight.core.errors import SceneError
 from alight.formats import loads
 from tests.twin import picture_of

@@ -5,10 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.bodies import body_below
-from alight.bsdfs.dielectric import Dielectric
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.interiors.bodies import body_below
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.textures.checkerboard import Checkerboard
 from tests.estimators.test_absorption import CLEAR, COLOR, TOLERANCE, ball, glass, lamp, seen
 

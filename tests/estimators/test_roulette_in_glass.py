@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.dielectric import Dielectric
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.rough_dielectric import RoughDielectric
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.switch import concentration, refracts
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program

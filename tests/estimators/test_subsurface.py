@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.subsurface import Subsurface, pack, single_albedo
+from alight.bsdfs.interiors.subsurface import Subsurface, pack, single_albedo
 from alight.integrators.volpath import VolPath
 from alight.laws.statistics import LARGEST_Z
 from alight.media.homogeneous import Homogeneous

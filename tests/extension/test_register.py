@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import alight
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.cli.main import app
 from alight.compiled.recompile import compiled_of
 from alight.compiled.shapes import compile_shapes
@@ -262,7 +262,7 @@ def test_all_that_is_wrong_is_said_at_once():
         registered(text)
     message = str(caught.value)
     assert 'users_lambert: bsdf "lambert" cannot be registered' in message
-    assert "albedo(params) is missing; is it albdo?  (see alight/bsdfs/diffuse.py)" in message
+    assert "albedo(params) is missing; is it albdo?  (see alight/bsdfs/matte/diffuse.py)" in message
     assert "load must be a function marked with @kernel" in message
     assert "sample must take (params, wo, u, u2), takes (params, wo, u)" in message
 

@@ -1,7 +1,7 @@
 """Scenes as their files have them: without the floor that the studio brings."""
 
 from alight import formats
-from alight.formats.made_up import without_floor
+from alight.formats.scenes.made_up import without_floor
 
 
 def load(*arguments, **options):

@@ -7,7 +7,7 @@ import pytest
 
 from alight.cameras.basis import perspective_half_extents, project_points
 from alight.formats import load
-from alight.formats.bounds import FOV, MARGIN, NEAREST, Bounds
+from alight.formats.geometry.bounds import FOV, MARGIN, NEAREST, Bounds
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays
 from alight.scene import flatten

@@ -8,8 +8,8 @@ from PIL import Image as Picture
 
 from alight.core.constants import LUMINANCE
 from alight.formats import load
-from alight.formats.bounds import Bounds
-from alight.formats.glow import LEAST, Glow
+from alight.formats.geometry.bounds import Bounds
+from alight.formats.scenes.emission import LEAST, Glow
 from alight.scene.files import Files
 from alight.shapes.mesh import Mesh
 from alight.textures.images import Image

@@ -6,7 +6,7 @@ import pytest
 
 import alight
 from alight.core.errors import SceneError
-from alight.formats.textures import MISSING
+from alight.formats.materials.textures import MISSING
 from tests.formats import bare
 from tests.formats.gltf.maker import Maker
 

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from alight.cli.main import app
 from alight.formats import load
-from alight.formats.surroundings import STUDIO
+from alight.formats.scenes.surroundings import STUDIO
 from tests.formats.gltf.maker import Maker
 
 TURN = np.radians(100.0)

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import SceneError
-from alight.formats.obj_scene import parse
+from alight.formats.obj.scene import parse
 from alight.meshes import obj
 from tests.formats.bare import load, nodes_of
 

@@ -7,10 +7,10 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import SceneError
-from alight.formats import mtl
-from alight.formats.obj_scene import parse
-from alight.formats.reach import Reach
-from alight.formats.report import Report
+from alight.formats.obj import mtl
+from alight.formats.obj.scene import parse
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
 from alight.scene import flatten
 from tests.formats.bare import load
 from tests.formats.mutate import STL, mesh_file

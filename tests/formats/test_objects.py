@@ -10,10 +10,10 @@ from PIL import Image as Pillow
 
 import alight
 from alight.formats import load
-from alight.formats.made_up import without_floor
 from alight.formats.objects.color_maps import color_map, places_in, strip
 from alight.formats.objects.creases import are_of, creased
 from alight.formats.objects.points import ball, sensible_radius
+from alight.formats.scenes.made_up import without_floor
 from alight.meshes.triangles import srgb_to_linear
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)

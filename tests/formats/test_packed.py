@@ -4,8 +4,8 @@ import gzip
 
 import pytest
 
-from alight.formats.packed import content_of, text_of
-from alight.formats.reach import UnreadableError
+from alight.formats.reading.packed import content_of, text_of
+from alight.formats.reading.reach import UnreadableError
 
 MOST = 2**20
 

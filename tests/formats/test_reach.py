@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 from alight.cli.main import app
 from alight.core.errors import SceneError
 from alight.formats import load, loads, save
-from alight.formats.made_up import without_floor
-from alight.formats.reach import OutOfReachError, Reach
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.scenes.made_up import without_floor
 from alight.lab.arms import load_arms
 from alight.lab.sheet import render_tile, tiles
 from alight.lab.study import StudyError

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.cameras.basis import perspective_half_extents, project_points
-from alight.formats.bounds import Bounds
+from alight.formats.geometry.bounds import Bounds
 from alight.scene import flatten
 from tests.formats.bare import load
 from tests.formats.usd.stage import stage_text

@@ -5,10 +5,10 @@ import pytest
 
 from alight.formats import load
 from alight.formats.gltf.container import open_document
-from alight.formats.made_up import without_floor
-from alight.formats.reach import Reach
-from alight.formats.report import Report
-from alight.formats.surroundings import FLOOR_RADIUS, GAP, is_floor
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
+from alight.formats.scenes.made_up import without_floor
+from alight.formats.scenes.surroundings import FLOOR_RADIUS, GAP, is_floor
 from alight.scene.builtin.studio import EDGE, MIDDLE, ROWS, studio, studio_floor
 from alight.scene.flatten import flatten
 from tests.formats.gltf.maker import Maker

@@ -9,9 +9,9 @@ from PIL import Image as Picture
 
 import alight
 from alight.core.srgb import decode_srgb
-from alight.formats.reach import OutOfReachError, Reach
-from alight.formats.report import Report
-from alight.formats.udim import _together, find_tiles, lay_out
+from alight.formats.materials.udim import _together, find_tiles, lay_out
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.reading.report import Report
 from alight.textures import bitmap as model
 from alight.textures.images import Image
 from tests.formats import bare
@@ -89,7 +89,7 @@ def test_tiles_of_other_depths_and_with_opacity(folder):
 
 
 def test_sets_that_are_too_large_are_made_smaller(folder, monkeypatch):
-    monkeypatch.setattr("alight.formats.udim.MOST_TEXELS", 6 * 4)
+    monkeypatch.setattr("alight.formats.materials.udim.MOST_TEXELS", 6 * 4)
     reach, report = Reach(folder), Report()
     data = {"type": "bitmap", "file": find_tiles("t.<UDIM>.png", reach)}
     lay_out(data, reach, report)
@@ -127,7 +127,7 @@ def test_tiles_of_whole_numbers_and_of_floats_are_decoded_as_said(space):
 def test_sets_that_are_made_smaller_keep_their_mean(space, tmp_path, monkeypatch):
     texels = np.array([[0, 255], [255, 255]], np.uint8)
     Picture.fromarray(texels).save(tmp_path / "m.1001.png")
-    monkeypatch.setattr("alight.formats.udim.MOST_TEXELS", 1)
+    monkeypatch.setattr("alight.formats.materials.udim.MOST_TEXELS", 1)
     data = _set_of(tmp_path, color_space=space)
     found = data["pixels"].linear(data["color_space"])
     assert found[0, 0, 0] == pytest.approx(0.75, abs=0.004)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.compiled.scene import compile_scene
 from alight.core.noise_only import noise_only_fields
 from alight.core.registry import Models

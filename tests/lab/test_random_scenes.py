@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import alight
 from alight.accel import intersect_closest
-from alight.bsdfs.hair import Hair
+from alight.bsdfs.fibres.hair import Hair
 from alight.bsdfs.nesting import scatters_inside
 from alight.cli.main import app
 from alight.compiled.scene import compile_scene

@@ -7,7 +7,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from alight.bsdfs.burley import Burley
+from alight.bsdfs.disney.burley import Burley
 from alight.cameras.rays import generate_ray
 from alight.cameras.thin_lens import ThinLens
 from alight.compiled.cameras import compile_camera

@@ -44,7 +44,7 @@ def test_a_tree_without_gain_chooses_by_intensity():
     lamps = [PlacedLight("lamp", Point(intensity=k + 1.0), at) for k, at in enumerate(turns)]
     found, _ = choices(World(floor, lights=lamps, selection="tree"), (0.5, 0.0, 0.0), UP)
     np.testing.assert_allclose(found.pmf, (found.index + 1.0) / 210.0, rtol=1e-5)
-    np.testing.assert_array_equal(found.pmf, found.plain)
+    np.testing.assert_array_equal(found.pmf, found.mis_pmf)
 
 
 def test_even_groups_are_those_that_gain_little():

@@ -24,7 +24,7 @@ from alight.lights.tree.traversal import (
     NODE,
     PRIM,
     choose_by_tree,
-    plain_probability,
+    mis_probability,
 )
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
@@ -109,24 +109,24 @@ def test_densities_for_mis_add_up_to_one_and_agree():
                 continue
             one = np.full(1, index, np.uint32)
             plain = run(
-                plain_probability, world.scene, one, one * 0 + np.uint32(prim), points(p, 1),
+                mis_probability, world.scene, one, one * 0 + np.uint32(prim), points(p, 1),
                 np.ones(1, bool),
             )[0]  # fmt: skip
             total += plain
             same = (word == index * 16 + prim) & (found.pmf > 0.0)
             if same.any():
-                np.testing.assert_allclose(found.plain[same], plain, rtol=1e-5)
+                np.testing.assert_allclose(found.mis_pmf[same], plain, rtol=1e-5)
     beside = world.scene.lights.data.array.reshape(-1, 16)[:, 3].sum()
     lamps = np.unique(word[found.pmf > 0.0])
     # Lamps at points are found by the tree only.
-    shares = [found.plain[word == w][0] for w in lamps if 24 * 16 <= w < 48 * 16]
+    shares = [found.mis_pmf[word == w][0] for w in lamps if 24 * 16 <= w < 48 * 16]
     assert 0.9 < total + beside + sum(shares) <= 1.0 + 1e-5
     # Without a normal both are the same, and what is missing leads to groups that are dark.
     found, word = choices(world, p, NONE)
     lit = found.pmf > 0.0
     _, first = np.unique(word[lit], return_index=True)
     error = np.sqrt(lit.mean() * (1.0 - lit.mean()) / N)
-    assert abs(found.plain[lit][first].sum() - lit.mean()) < LARGEST_Z * error
+    assert abs(found.mis_pmf[lit][first].sum() - lit.mean()) < LARGEST_Z * error
     assert lit.mean() > 0.9
 
 
@@ -196,7 +196,7 @@ def test_a_group_is_not_dark_where_one_of_it_shines():
     )
     upper = np.ones(1, np.uint32)
     p, on = points((3.0, 0.0, 3.5), 1), np.ones(1, bool)
-    assert run(plain_probability, world.scene, upper, upper * 0, p, on)[0] > 0.9
+    assert run(mis_probability, world.scene, upper, upper * 0, p, on)[0] > 0.9
     found, _ = choices(world, (3.0, 0.0, 3.5), (-0.6, 0.0, 0.8))
     assert np.mean((found.pmf > 0.0) & (found.index == 1)) > 0.9
 
@@ -223,8 +223,8 @@ def test_from_afar_only_intensity_counts():
     np.testing.assert_allclose(lamps[1:] / lamps[:-1], 8.0, rtol=1e-4)
     one, at, on = np.zeros(1, np.uint32), points((0.0, 0.0, 0.0), 1), np.ones(1, bool)
     for prim in (0, 1):
-        plain = run(plain_probability, world.scene, one, one + np.uint32(prim), at, on)[0]
-        assert plain == found.plain[word == prim][0] == found.pmf[word == prim][0]
+        plain = run(mis_probability, world.scene, one, one + np.uint32(prim), at, on)[0]
+        assert plain == found.mis_pmf[word == prim][0] == found.pmf[word == prim][0]
 
 
 def leaves_at(places, axes):
@@ -303,7 +303,7 @@ def _root(scene, points, numbers, vectors, scalars, n):
         store_vec3(vectors, 3 * n + i, n, s.radiance)
         store_lanes(scalars, i, s.pdf)
         index = load_lanes(scene.indices, i)
-        store_lanes(scalars, n + i, plain_probability(scene, index, index * 0, p, lanes_mask(True)))
+        store_lanes(scalars, n + i, mis_probability(scene, index, index * 0, p, lanes_mask(True)))
         i += LANES
 
 
@@ -339,7 +339,7 @@ def test_densities_of_a_lone_lamp():
     light, p = surface.light.astype(np.uint32), points((0, 0, 0), 2)
     pdf = run(light_pdf, tree.scene, light, p, vec(d), hit.t, surface)
     plain = [
-        run(plain_probability, tree.scene, light * 0, np.full(2, k, np.uint32), p, light > 0)
+        run(mis_probability, tree.scene, light * 0, np.full(2, k, np.uint32), p, light > 0)
         for k in (0, 1)
     ]
     np.testing.assert_allclose(plain[0] + plain[1], 1.0, rtol=1e-6)

@@ -54,7 +54,7 @@ def test_a_pair_shines_up_to_the_edge_of_each_lamp():
         p = vec((edge * np.cos(inside) + lamps.axis[0] * np.sin(inside)).T)
         bounds = instantiate(bounds_of_row, TREE, compiled=False)(View(group), 0)
         found = run(group_importance, bounds, p, p * np.float32(0.0), np.ones(n, bool), 0.0)
-        assert np.all(found.plain > 0.0), angle
+        assert np.all(found.unoriented > 0.0), angle
 
 
 def test_both_ways_to_read_a_group_find_the_same():
@@ -102,8 +102,8 @@ def test_a_far_group_is_the_mean_of_the_lit_cosines_over_the_squared_distance(sp
     first, last = (np.cos(np.clip(angle + end, 0.0, np.pi)) for end in (-spread, spread))
     part = (np.arange(2000) + 0.5) / 2000
     lit = np.maximum(last + np.multiply.outer(part, first - last), 0.0).mean(axis=0)
-    np.testing.assert_allclose(found.plain, 5.0 * lit / far**2, rtol=2e-3, atol=3e-4)
-    np.testing.assert_allclose(found.importance, found.plain, rtol=1e-3)
+    np.testing.assert_allclose(found.unoriented, 5.0 * lit / far**2, rtol=2e-3, atol=3e-4)
+    np.testing.assert_allclose(found.importance, found.unoriented, rtol=1e-3)
 
 
 EXAMPLES = {module: module.EXAMPLES for module in modules("bsdfs")}

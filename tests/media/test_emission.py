@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.dielectric import Dielectric
+from alight.bsdfs.dielectrics.dielectric import Dielectric
 from tests.media.scenes import (
     DENSITIES,
     EXTINCTION,

@@ -130,7 +130,7 @@ def test_shadow_rays_come_through_as_the_transmittance_says(bench, ray):
     active = np.ones(COUNT, bool)
     segment, _ = bench.arguments(*ray)
     crossing = bench.cross(bench.scene, segment, active)
-    passed = columns(crossing.passed) * np.broadcast_to(crossing.boost, COUNT)[:, None]
+    passed = columns(crossing.passed) * np.broadcast_to(crossing.weight, COUNT)[:, None]
     light = columns(crossing.light)
     weight = passed / light.mean(1, keepdims=True)
     expected = np.exp(-optical_depth(*ray) * np.array(EXTINCTION))
@@ -145,7 +145,7 @@ def test_a_flight_knows_what_the_shadow_ray_of_the_same_numbers_does(bench):
     flight = bench.fly(bench.scene, segment, u, active)
     crossing = bench.cross(bench.scene, segment, active)
     # Without roulette.
-    alike = ~flight.scattered & (np.broadcast_to(crossing.boost, COUNT) == 1.0)
+    alike = ~flight.scattered & (np.broadcast_to(crossing.weight, COUNT) == 1.0)
     alike &= crossing.passed.x > 0.0
     assert alike.mean() > 0.05
     passed, light = columns(crossing.passed)[alike], columns(crossing.light)[alike]

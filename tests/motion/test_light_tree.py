@@ -11,7 +11,7 @@ from alight.formats import loads
 from alight.lights.model import LIGHTS
 from alight.lights.sampling import sample_light
 from alight.lights.tables import INFO
-from alight.lights.tree.traversal import FAR_FROM_ALL, choose_by_tree, plain_probability
+from alight.lights.tree.traversal import FAR_FROM_ALL, choose_by_tree, mis_probability
 from alight.scene import flatten, keyframes, rotate, translate
 from alight.scene.motion import NOWHERE
 from lanewise.vec3 import Vec3
@@ -109,14 +109,14 @@ def test_choices_among_moving_lights_follow_their_probabilities(place):
     assert chi_square(np.append(counts, n - counts.sum()), said) > SIGNIFICANCE
     error = np.sqrt(there.mean() * (1.0 - there.mean()) / n)
     assert abs(said.sum() - there.mean()) <= LARGEST_Z * error + 1e-5
-    np.testing.assert_allclose(found.plain[there], found.pmf[there], rtol=1e-5)
+    np.testing.assert_allclose(found.mis_pmf[there], found.pmf[there], rtol=1e-5)
     lamps = info[:, 0] == LIGHTS["area"].number
     mine = there & lamps[found.index]
     assert len(set(word[mine])) >= 4
-    asked = twin_of(plain_probability, scene)(
+    asked = twin_of(mis_probability, scene)(
         at, found.index, found.rest.astype(np.uint32) * mine, p, mine
     )
-    np.testing.assert_allclose(asked[mine], found.plain[mine], rtol=1e-5)
+    np.testing.assert_allclose(asked[mine], found.mis_pmf[mine], rtol=1e-5)
 
 
 def test_leaves_bound_their_lights_at_every_time():

@@ -2,7 +2,7 @@
 
 from tests.mutants.mutant import Mutant
 
-HEIGHTS = "tests/formats/test_heights.py"
+LIFTED = "tests/formats/test_displacement.py"
 TARGETS = "tests/lights/test_targets.py"
 DISK = f"{TARGETS}::test_a_light_without_a_size_is_a_disk_of_its_irradiance"
 BOXES = f"{TARGETS}::test_mirrors_and_glass_are_aimed_at_alike_and_everywhere"
@@ -13,15 +13,15 @@ WRAPS = "tests/formats/usd/test_wraps_of_pictures.py::test_an_axis_has_its_own_w
 BEYOND_EXAMPLES = (
     Mutant(
         "a height that reaches as far as if it had no level of rest",
-        "formats/heights.py",
+        "formats/geometry/displacement.py",
         (("abs(self.scale * (end - self.midlevel))", "abs(self.scale * end)"),),
-        f"{HEIGHTS}::test_heights_are_a_factor_and_an_offset_and_reach_as_far_as_they_can[0]",
+        f"{LIFTED}::test_heights_are_a_factor_and_an_offset_and_reach_as_far_as_they_can[0]",
     ),
     Mutant(
         "meshes that are counted one by one against the memory of all",
-        "formats/heights.py",
+        "formats/geometry/displacement.py",
         (("        self.count += count\n", "        self.count = count\n"),),
-        f"{HEIGHTS}::test_meshes_are_cut_until_memory_holds_no_more",
+        f"{LIFTED}::test_meshes_are_cut_until_memory_holds_no_more",
     ),
     Mutant(
         "a disk of a delta light whose edge is its radius",

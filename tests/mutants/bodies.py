@@ -99,13 +99,13 @@ BODIES = (
     ),
     Mutant(
         "coat that dims light on the way out without end",
-        "bsdfs/subsurface.py",
+        "bsdfs/interiors/subsurface.py",
         (('packer.numbers("leaving", 1.0 / mean)', 'packer.numbers("leaving", 1.0)'),),
         f"{TESTS}::test_a_white_body_vanishes_in_a_white_furnace[1.5]",
     ),
     Mutant(
         "albedo of one scattering by the root of what is absorbed",
-        "bsdfs/subsurface.py",
+        "bsdfs/interiors/subsurface.py",
         (("1.0 - s * s", "1.0 - s"),),
         f"{TESTS}::test_the_inverse_of_the_albedo_is_that_of_the_exact_one[0.5]",
     ),

@@ -66,13 +66,13 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "masks of no opacity have no body",
-        "bsdfs/bodies.py",
+        "bsdfs/interiors/bodies.py",
         (("1.0 if masked else factors[part.share]", "factors[part.share]"),),
         f"{TESTS}::test_holes_lead_into_bodies_and_out_of_them[path-0.0]",
     ),
     Mutant(
         "blends absorb less for every part that is no body",
-        "bsdfs/bodies.py",
+        "bsdfs/interiors/bodies.py",
         (
             (
                 "share * body[i] for share, body in found) / whole",
@@ -140,7 +140,7 @@ COLOURED_GLASS = (
     ),
     Mutant(
         "parts of a blend that varies count in full",
-        "bsdfs/bodies.py",
+        "bsdfs/interiors/bodies.py",
         (("isinstance(weight, float) else VARYING_SHARE", "isinstance(weight, float) else 1.0"),),
         f"{NESTED}::test_blends_in_blends_absorb_by_their_shares[0]",
     ),

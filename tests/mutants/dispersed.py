@@ -13,13 +13,13 @@ DISPERSED = (
     ),
     Mutant(
         "red light that is refracted most",
-        "bsdfs/dispersion.py",
+        "bsdfs/dielectrics/dispersion.py",
         (("return eta + (x - 1.0) * (a", "return eta - (x - 1.0) * (a"),),
         f"{TESTS}::test_a_prism_beside_media",
     ),
     Mutant(
         "all glass with one wavelength a path",
-        "bsdfs/dispersion.py",
+        "bsdfs/dielectrics/dispersion.py",
         (("return () if dispersion == 0.0 else (DISPERSIVE,)", "return (DISPERSIVE,)"),),
         f"{TESTS}::test_only_what_disperses_light_is_followed_by_wavelengths[dielectric]",
     ),
@@ -37,20 +37,20 @@ DISPERSED = (
     ),
     Mutant(
         "Abbe's number with the lines exchanged",
-        "bsdfs/dispersion.py",
+        "bsdfs/dielectrics/dispersion.py",
         (("(_F**-2 - _C**-2)", "(_C**-2 - _F**-2)"),),
         "tests/physics/test_laws_of_dispersion.py::test_abbes_number_compares_the_lines_f_and_c",
     ),
     Mutant(
         "indices that spread in water as in air",
-        "bsdfs/dispersion.py",
+        "bsdfs/dielectrics/dispersion.py",
         (("number / outside for number in spread", "number for number in spread"),),
         "tests/physics/test_laws_of_dispersion.py"
         "::test_kernels_have_the_index_over_that_outside[1.33-bk7]",
     ),
     Mutant(
         "the last term of an index without its one",
-        "bsdfs/dispersion.py",
+        "bsdfs/dielectrics/dispersion.py",
         (("((x + 1.0) * x + 1.0) * c", "((x + 1.0) * x) * c"),),
         "tests/physics/test_laws_of_dispersion.py"
         "::test_kernels_have_the_index_over_that_outside[1.0-bk7]",

@@ -26,7 +26,7 @@ EDGES = (
     ),
     Mutant(
         "reflectance that rounding makes negative",
-        "bsdfs/principled_lobes.py",
+        "bsdfs/disney/lobes.py",
         (
             (
                 "dielectric = Vec3(_unit(dielectric.x), _unit(dielectric.y), _unit(dielectric.z))",
@@ -37,13 +37,13 @@ EDGES = (
     ),
     Mutant(
         "light bent where it is reflected totally",
-        "bsdfs/principled_lobes.py",
+        "bsdfs/disney/lobes.py",
         (("open_ = (params.thin | (cos_t > 0.0)) & ~coat", "open_ = ~coat"),),
         f"{MODELS}::test_principled_is_finite_where_a_lobe_has_nothing",
     ),
     Mutant(
         "angles of many turns left to the kernels",
-        "bsdfs/principled_parameters.py",
+        "bsdfs/disney/parameters.py",
         (
             ("return math.remainder(angle, 2.0 * math.pi)", "return 1e15"),
             (

@@ -22,37 +22,39 @@ EQUIVALENT: dict[str, str] = {
     "accel/references.py half_area: -scale -> (scale)": "products of two of them: signs cancel",
     "accel/references.py half_area: 3 -> 2": "the fourth place, which nobody reads",
     (
-        "bsdfs/burley.py _values: burley_diffuse(params.roughness, params.flatness, wo.z, wi.z, "
-        "cos_i) -> burley_diffuse(params.roughness, params.flatness, wi.z, wo.z, cos_i)"
+        "bsdfs/disney/burley.py _values: burley_diffuse(params.roughness, params.flatness, wo.z, "
+        "wi.z, cos_i) -> burley_diffuse(params.roughness, params.flatness, wi.z, wo.z, cos_i)"
     ): "reciprocal: symmetric in both directions",
-    "bsdfs/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
+    "bsdfs/disney/burley.py _values: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions that are invalid, whose result is thrown away"
     ),
-    "bsdfs/coated_conductor.py sample: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
+    "bsdfs/conductors/coated_conductor.py sample: Vec3(0.0, 0.0, 1.0) -> Vec3(0.0, 1.0, 0.0)": (
         "stands in for directions from below, whose result is thrown away"
     ),
-    "bsdfs/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
+    "bsdfs/plastics/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
     "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
         "idle lanes read the second word of the table; what they find is thrown away"
     ),
     (
-        "bsdfs/eon.py evaluate: _weight(params, where(above, wo, up), where(above, wi, up)) -> "
-        "_weight(params, where(above, wi, up), where(above, wo, up))"
+        "bsdfs/matte/eon.py evaluate: _weight(params, where(above, wo, up), where(above, wi, up)) "
+        "-> _weight(params, where(above, wi, up), where(above, wo, up))"
     ): "reciprocal: symmetric in both directions",
     (
-        "bsdfs/eon.py sample: _weight(params, where(above, wo, up), where(above, wi, up)) -> "
+        "bsdfs/matte/eon.py sample: _weight(params, where(above, wo, up), where(above, wi, up)) -> "
         "_weight(params, where(above, wi, up), where(above, wo, up))"
     ): "reciprocal: symmetric in both directions",
-    "bsdfs/phong.py _chance_of_lobe: 1.0 -> 1.02": (
+    "bsdfs/plastics/phong.py _chance_of_lobe: 1.0 -> 1.02": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
     (
-        "bsdfs/principled_lobes.py _chance_of_reflection.chance: where(view.side.inside, "
+        "bsdfs/disney/lobes.py _chance_of_reflection.chance: where(view.side.inside, "
         "params.transmission, 1.0) * rest -> (rest)"
     ): "how often facets are reflected from inside; the estimate divides by this very chance",
-    "bsdfs/relief.py frame_of_map: n.x -> n.y": "0 times the one or the other, for its lanes",
+    "bsdfs/normals/shading_normals.py frame_of_map: n.x -> n.y": (
+        "0 times the one or the other, for its lanes"
+    ),
     "cameras/connection.py connect_point: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; what lies in the lens is not visible"
     ),
@@ -221,7 +223,7 @@ EQUIVALENT: dict[str, str] = {
         "a second guard: a row of the picture over 4 is below its height over 4, rounded up"
     ),
     "view/shades.py _spread: 1.0 -> 1.02": "divides 0 where all pixels are alike",
-    "bsdfs/coat_normals.py axes_of: own.normal.x -> own.normal.y": (
+    "bsdfs/normals/coat_normals.py axes_of: own.normal.x -> own.normal.y": (
         "times 0: it gives a number its lanes"
     ),
     "integrators/shadow_rays.py transmittance_through_holes: crossing.passed.x -> "

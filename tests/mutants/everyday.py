@@ -218,12 +218,12 @@ EVERYDAY = (
         "bsdfs/nesting.py",
         (
             (
-                "leaf.relief or (spec if spec.bends_normals else None)",
-                "(spec if spec.bends_normals else None) or leaf.relief",
+                "leaf.normals or (spec if spec.bends_normals else None)",
+                "(spec if spec.bends_normals else None) or leaf.normals",
             ),
         ),
         "tests/physics/test_bent_normals.py::"
-        "test_of_two_reliefs_the_inner_one_counts[NormalMap-BumpMap]",
+        "test_of_two_maps_of_normals_the_inner_one_counts[NormalMap-BumpMap]",
     ),
     Mutant(
         "glass of random scenes that is never denser outside",
@@ -254,7 +254,7 @@ EVERYDAY = (
     ),
     Mutant(
         "facets of burley that are stretched along one direction alone",
-        "bsdfs/burley.py",
+        "bsdfs/disney/burley.py",
         (("maximum(alpha * aspect, LEAST_ALPHA)", "maximum(alpha, LEAST_ALPHA)"),),
         "tests/physics/test_energy_of_burley.py::test_facets_are_stretched_along_the_tangent",
     ),
@@ -313,7 +313,7 @@ EVERYDAY = (
     ),
     Mutant(
         "light between two points of a table goes to the nearer one and beyond",
-        "bsdfs/layered.py",
+        "bsdfs/microfacets/layered.py",
         (("minimum(place.astype(np.int64),", "minimum(np.rint(place).astype(np.int64),"),),
         "tests/physics/test_coated_conductor.py::"
         "test_light_is_shared_by_the_points_on_both_sides_of_its_place",
@@ -327,19 +327,19 @@ EVERYDAY = (
     ),
     Mutant(
         "a colour of hair by its roughness along the fibre",
-        "bsdfs/hair.py",
+        "bsdfs/fibres/hair.py",
         (("absorption_of(c, self.beta_n) for c", "absorption_of(c, self.beta_m) for c"),),
         "tests/physics/test_hair.py::test_what_a_fibre_absorbs_follows_its_pigments_or_its_colour",
     ),
     Mutant(
         "a red pigment whose green is its blue",
-        "bsdfs/hair.py",
+        "bsdfs/fibres/hair.py",
         (("(0.187, 0.4, 1.05)", "(0.187, 1.05, 0.4)"),),
         "tests/physics/test_hair.py::test_what_a_fibre_absorbs_follows_its_pigments_or_its_colour",
     ),
     Mutant(
         "a file that is cut in silence where it is too large",
-        "formats/packed.py",
+        "formats/reading/packed.py",
         (("if len(data) > most:", "if len(data) > most + 1:"),),
         "tests/formats/test_packed.py::"
         "test_files_may_have_so_many_bytes_once_they_are_unpacked[1048577-a.txt]",
@@ -370,19 +370,19 @@ EVERYDAY = (
     ),
     Mutant(
         "hair as wide along the fibre however rough it is",
-        "bsdfs/hair.py",
+        "bsdfs/fibres/hair.py",
         ((" + 3.7 * m**20", ""),),
         "tests/physics/test_hair.py::test_lobes_are_as_wide_as_their_roughness_says",
     ),
     Mutant(
         "a scale that makes radii smaller",
-        "bsdfs/subsurface.py",
+        "bsdfs/interiors/subsurface.py",
         (("1.0 / (spec.scale * radius)", "spec.scale / radius"),),
         "tests/estimators/test_subsurface.py::test_the_scale_multiplies_the_radius",
     ),
     Mutant(
         "a coat with the colour of the body below it",
-        "bsdfs/subsurface.py",
+        "bsdfs/interiors/subsurface.py",
         (("return params.color * through + (1.0 - through)", "return params.color"),),
         "tests/estimators/test_subsurface.py::"
         "test_the_layer_of_albedo_is_the_colour_below_a_coat_that_has_none",

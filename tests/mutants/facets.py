@@ -7,25 +7,25 @@ ROUGH = "tests/physics/test_rough_models.py"
 FACETS = (
     Mutant(
         "wrong Jacobian of the half vector",
-        "bsdfs/rough_conductor.py",
+        "bsdfs/conductors/rough_conductor.py",
         (("pdf = 0.25 * facet_density", "pdf = 0.5 * facet_density"),),
         "tests/laws/test_bsdfs.py",
     ),
     Mutant(
         "G1 for G: no shadow on the way in",
-        "bsdfs/rough_conductor.py",
+        "bsdfs/conductors/rough_conductor.py",
         (("where(above, masking, 0.0)", "where(above, 1.0 + 0.0 * masking, 0.0)"),),
         f"{ROUGH}::test_rough_metal_is_walters_formula[beckmann]",
     ),
     Mutant(
         "radiance through a rough interface without 1 / eta^2",
-        "bsdfs/rough_dielectric.py",
+        "bsdfs/dielectrics/rough_dielectric.py",
         (("(masking / (eta * eta))", "(masking + 0.0 * eta)"),),
         f"{ROUGH}::test_glass_loses_only_what_meets_two_facets",
     ),
     Mutant(
         "indices of rough glass swapped",
-        "bsdfs/rough_dielectric.py",
+        "bsdfs/dielectrics/rough_dielectric.py",
         (
             (
                 "    eta = where(below, 1.0 / params.eta, params.eta)\n    weight, pdf = _scatter",
@@ -36,7 +36,7 @@ FACETS = (
     ),
     Mutant(
         "refraction with the Jacobian of reflection",
-        "bsdfs/rough_dielectric.py",
+        "bsdfs/dielectrics/rough_dielectric.py",
         (
             (
                 "jacobian = where(reflects, 0.25 * fresnel, refracted)",
@@ -58,7 +58,7 @@ FACETS = (
     ),
     Mutant(
         "pane of one interface",
-        "bsdfs/thin_dielectric.py",
+        "bsdfs/dielectrics/thin_dielectric.py",
         (("reflectance = 2.0 * once / (1.0 + once)", "reflectance = once"),),
         f"{ROUGH}::test_panes_add_up_all_inner_reflections[1.0]",
     ),

@@ -167,7 +167,7 @@ FOREIGN = (
     ),
     Mutant(
         "heights whose bias is not scaled",
-        "formats/heights.py",
+        "formats/geometry/displacement.py",
         (("-offset / factor)", "-offset)"),),
         "tests/formats/usd/test_displacement.py"
         "::test_a_channel_of_a_picture_lifts_a_preview_surface",

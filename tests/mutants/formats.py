@@ -14,13 +14,13 @@ STUDIO = "tests/formats/test_studio.py"
 FORMATS = (
     Mutant(
         "tiles of pictures counted from the top",
-        "formats/udim.py",
+        "formats/materials/udim.py",
         (("top = (rows - 1 - row) * height", "top = row * height"),),
         "tests/formats/test_udim.py::test_tiles_lie_where_their_numbers_say",
     ),
     Mutant(
         "tiles of pictures are read through links that lead elsewhere",
-        "formats/udim.py",
+        "formats/materials/udim.py",
         (("reach.inside(reach.name_of(tile), shown=tile.name)", "pass"),),
         "tests/formats/test_udim.py::test_tiles_that_are_links_stay_within_reach",
     ),
@@ -86,7 +86,7 @@ FORMATS = (
     ),
     Mutant(
         "shapes with a formula shine as if they were not scaled",
-        "formats/glow.py",
+        "formats/scenes/emission.py",
         (("model.pack(part, to_world @ place)", "model.pack(part, place)"),),
         "tests/formats/test_glow.py::test_shapes_with_a_formula_shine_with_their_area",
     ),
@@ -98,7 +98,7 @@ FORMATS = (
     ),
     Mutant(
         "the studio's floor stays under another sky",
-        "formats/made_up.py",
+        "formats/scenes/made_up.py",
         (("        after = without_floor(after)\n", "        pass\n"),),
         f"{STUDIO}::test_the_floor_goes_with_the_studio",
     ),
@@ -116,7 +116,7 @@ FORMATS = (
     ),
     Mutant(
         "of a cube one side is framed",
-        "formats/bounds.py",
+        "formats/geometry/bounds.py",
         (("np.max(highs, axis=0)", "highs[0]"),),
         f"{SEEN}::test_gprims_of_usd",
     ),
@@ -234,7 +234,7 @@ FORMATS = (
     ),
     Mutant(
         "stand-ins for files that are there and broken",
-        "formats/report.py",
+        "formats/reading/report.py",
         (("self.lenient and not isinstance(error, UnreadableError)", "self.lenient"),),
         "tests/formats/test_lenient.py::test_a_broken_include_is_an_error_all_the_same",
     ),

@@ -108,7 +108,7 @@ LAWS = (
     ),
     Mutant(
         "bump maps that see heights beside a point by the point's own place",
-        "bsdfs/relief.py",
+        "bsdfs/normals/shading_normals.py",
         (("p=surface.p + shift", "p=surface.p + 0.0 * shift"),),
         f"{LAWS_OF}[textures-noise]",
     ),

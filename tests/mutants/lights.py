@@ -67,7 +67,7 @@ LIGHT = (
     Mutant(
         "probability of the light's choice forgotten",
         "lights/sampling.py",
-        (("pdf = s.pdf * choice.plain", "pdf = s.pdf"),),
+        (("pdf = s.pdf * choice.mis_pmf", "pdf = s.pdf"),),
         f"{LIGHTS}::test_lights_are_chosen_as_asked",
     ),
     Mutant(
@@ -176,8 +176,8 @@ LIGHT = (
         "lights/sampling.py",
         (
             (
-                "radiance * (choice.plain / where(valid, choice.pmf, 1.0))",
-                "radiance * (choice.plain / choice.plain)",
+                "radiance * (choice.mis_pmf / where(valid, choice.pmf, 1.0))",
+                "radiance * (choice.mis_pmf / choice.mis_pmf)",
             ),
         ),
         f"{TREE}::test_tree_and_power_agree_on_the_light",
@@ -209,7 +209,7 @@ LIGHT = (
     Mutant(
         "far lights whose densities forget their group",
         "lights/tree/traversal.py",
-        (("plain * (to_float(mine) / to_float(size))", "to_float(mine) / to_float(size)"),),
+        (("mis_pmf * (to_float(mine) / to_float(size))", "to_float(mine) / to_float(size)"),),
         f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
     ),
     Mutant(
@@ -250,7 +250,7 @@ LIGHT = (
     ),
     Mutant(
         "area of a slanted rectangle by the lengths of its edges",
-        "formats/lamps.py",
+        "formats/scenes/lamps.py",
         (
             (
                 "np.linalg.norm(np.cross(to_world[:3, 0], to_world[:3, 1]))",

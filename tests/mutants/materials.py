@@ -10,13 +10,13 @@ COATS = "tests/physics/test_coated_conductor.py"
 MATERIALS = (
     Mutant(
         "coat sampled with another probability than stated",
-        "bsdfs/plastic.py",
+        "bsdfs/plastics/plastic.py",
         (("mirrored = u < chance", "mirrored = u < 0.5 * chance"),),
         LAWS,
     ),
     Mutant(
         "weight of a blend taken for the other part",
-        "bsdfs/blend.py",
+        "bsdfs/adapters/blend.py",
         (
             (
                 'Part(self.bsdfs[0], "rest"), Part(self.bsdfs[1], "weight")',
@@ -27,7 +27,7 @@ MATERIALS = (
     ),
     Mutant(
         "opacity taken for transparency",
-        "bsdfs/mask.py",
+        "bsdfs/adapters/mask.py",
         (
             (
                 'Part(Null(), "rest", is_hole=True), Part(self.bsdf, "weight")',
@@ -41,37 +41,37 @@ MATERIALS = (
 COATED = (
     Mutant(
         "light that a coat throws back to the metal is lost",
-        "bsdfs/layered.py",
+        "bsdfs/microfacets/layered.py",
         (("bounce @ (leaving + again @ out)", "bounce @ leaving"),),
         f"{COATS}::test_albedo_is_that_of_walks_between_the_layers[rough]",
     ),
     Mutant(
         "masking of coated layers in which heights are not correlated",
-        "bsdfs/layered.py",
+        "bsdfs/microfacets/layered.py",
         (("before / (before + after)", "1.0 / (1.0 + after)"),),
         f"{COATS}::test_albedo_is_that_of_walks_between_the_layers[smooth metal]",
     ),
     Mutant(
         "a grey coat dims light on its way down only",
-        "bsdfs/layered.py",
+        "bsdfs/microfacets/layered.py",
         (("kept * crossing(np.maximum(cosine, 1e-7), layers.thickness)", "kept * 1.0"),),
         f"{COATS}::test_one_bounce_through_a_grey_coat_is_a_product",
     ),
     Mutant(
         "a coated metal scaled on one way only",
-        "bsdfs/coated_conductor.py",
+        "bsdfs/conductors/coated_conductor.py",
         (("_scale(params, wo.z) * _scale(params, wi.z)", "_scale(params, wo.z)"),),
         f"{COATS}::test_the_lobe_has_the_albedo_of_the_table[rough]",
     ),
     Mutant(
         "what a rough coat scatters left out of the metal's lobe",
-        "bsdfs/layered.py",
+        "bsdfs/microfacets/layered.py",
         (("0.5 * (bends * layers.coat_alpha) ** 2", "0.0 * bends"),),
         f"{COATS}::test_light_goes_where_the_walks_send_it[smooth metal-0.25]",
     ),
     Mutant(
         "samples of a coated metal that go to all sides left out of the density",
-        "bsdfs/coated_conductor.py",
+        "bsdfs/conductors/coated_conductor.py",
         (("(1.0 - params.wide) * pdf + params.wide * (INV_PI * wi.z)", "pdf * 1.0"),),
         f"{COATS}::test_the_lobe_has_the_albedo_of_the_table[very rough]",
     ),

@@ -36,7 +36,7 @@ MEDIA = (
     Mutant(
         "shadow rays that survive the roulette do not carry the others",
         "media/grid.py",
-        (("boost * (1.0 / KEPT)", "boost"),),
+        (("weight * (1.0 / KEPT)", "weight"),),
         f"{FLIGHTS}::test_shadow_rays_come_through_as_the_transmittance_says[grid]",
     ),
     Mutant(
@@ -66,7 +66,7 @@ MEDIA = (
     Mutant(
         "shadow rays go through holes undimmed",
         "integrators/shadow_rays.py",
-        (("boost * share", "boost"),),
+        (("weight * share", "weight"),),
         "tests/estimators/test_holes.py::test_a_point_light_is_dimmed_by_what_stands_before_it",
     ),
     Mutant(
@@ -77,7 +77,7 @@ MEDIA = (
                 "where(met & ~(share > 0.0), lanes_vec3(0.0), passed)",
                 "where(met, passed * share, passed)",
             ),
-            ("boost * share", "boost"),
+            ("weight * share", "weight"),
         ),
         "tests/estimators/test_holes.py::test_path_and_volpath_see_the_same_through_holes",
     ),

@@ -7,19 +7,19 @@ LAWS = "tests/laws/test_bsdfs.py"
 SCATTERING = (
     Mutant(
         "value of a BSDF without the cosine",
-        "bsdfs/diffuse.py",
+        "bsdfs/matte/diffuse.py",
         (("cosine = where(above, INV_PI * wi.z, 0.0)", "cosine = where(above, INV_PI, 0.0)"),),
         LAWS,
     ),
     Mutant(
         "eta for eta^2 in refracted radiance",
-        "bsdfs/dielectric.py",
+        "bsdfs/dielectrics/dielectric.py",
         (("where(reflects, 1.0, 1.0 / (eta * eta))", "where(reflects, 1.0, 1.0 / eta)"),),
         LAWS,
     ),
     Mutant(
         "indices of refraction swapped",
-        "bsdfs/dielectric.py",
+        "bsdfs/dielectrics/dielectric.py",
         (
             (
                 "where(wo.z > 0.0, params.eta, 1.0 / params.eta)",
@@ -30,7 +30,7 @@ SCATTERING = (
     ),
     Mutant(
         "density of the other way of sampling",
-        "bsdfs/diffuse.py",
+        "bsdfs/matte/diffuse.py",
         (("where(above, INV_TWO_PI, 0.0)", "cosine"),),
         LAWS,
     ),
@@ -77,7 +77,7 @@ SCATTERING = (
     ),
     Mutant(
         "a coat of Burley's with 2 % too much density",
-        "bsdfs/burley.py",
+        "bsdfs/disney/burley.py",
         (("where(right, 0.25 * d * wm.z", "where(right, 0.255 * d * wm.z"),),
         "tests/physics/test_bsdf_formulas.py"
         "::test_the_coat_of_burley_is_its_formula_in_value_and_density",

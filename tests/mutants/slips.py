@@ -7,7 +7,7 @@ LAWS_OF = "tests/laws/test_every_model.py::test_it_obeys_the_laws_of_its_family"
 SLIPS = (
     Mutant(
         "a lobe of sheen that is narrower than its table",
-        "bsdfs/sheen.py",
+        "bsdfs/disney/sheen.py",
         (("exp(0.5 * exponent * log(sin2))", "exp(0.51 * exponent * log(sin2))"),),
         "tests/physics/test_sheen.py::"
         "test_the_lobe_is_its_formula_and_its_table_holds_its_integral",
@@ -72,7 +72,7 @@ SLIPS = (
     ),
     Mutant(
         "nothing passes through rough glass with a bent normal",
-        "bsdfs/relief.py",
+        "bsdfs/normals/shading_normals.py",
         (
             (
                 "agrees = (inner.z * wi.z > 0.0) & (dot(n, wo) * wo.z > 0.0)\n        left",

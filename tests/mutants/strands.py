@@ -51,19 +51,19 @@ STRANDS = (
     ),
     Mutant(
         "scales of hair that point to the tip",
-        "bsdfs/hair.py",
+        "bsdfs/fibres/hair.py",
         (("s1, c1 = params.sine, params.cosine", "s1, c1 = -params.sine, params.cosine"),),
         VALUES,
     ),
     Mutant(
         "hair that is met on the other side of its axis",
-        "bsdfs/hair.py",
+        "bsdfs/fibres/hair.py",
         (("maximum(-wo.y / cosine, -1.0)", "maximum(wo.y / cosine, -1.0)"),),
         f"{HAIR}::test_light_is_mirrored_at_the_surface_where_it_is_met",
     ),
     Mutant(
         "hair whose light comes back without having passed twice",
-        "bsdfs/hair.py",
+        "bsdfs/fibres/hair.py",
         (("a2 = a1 * passes * f\n", "a2 = a1 * f\n"),),
         VALUES,
     ),

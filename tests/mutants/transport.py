@@ -91,7 +91,7 @@ TRANSPORT = (
     ),
     Mutant(
         "panes taken for holes, which shadow rays do not see",
-        "bsdfs/thin_dielectric.py",
+        "bsdfs/dielectrics/thin_dielectric.py",
         (("lanes_u32(TRANSMISSION | DELTA)", "lanes_u32(TRANSMISSION | DELTA | 8)"),),
         "tests/sampling/test_holes_of_materials.py",
     ),

@@ -11,7 +11,7 @@ TANGENTS = "tests/shapes/test_tangents.py"
 TURNED = (
     Mutant(
         "samples of brushed facets turned the wrong way back",
-        "bsdfs/principled_view.py",
+        "bsdfs/disney/view.py",
         (
             (
                 "turn.cosine * w.x - turn.sine * w.y, turn.cosine * w.y + turn.sine * w.x",
@@ -22,13 +22,13 @@ TURNED = (
     ),
     Mutant(
         "brushed the other way round",
-        "bsdfs/principled_parameters.py",
+        "bsdfs/disney/parameters.py",
         (("Turn(s, c, a)", "Turn(-s, c, a)"),),
         f"{BRUSHED}::test_values_turn_with_the_brush[0.5-metal]",
     ),
     Mutant(
         "roughness along the tangent for that across it",
-        "bsdfs/facets.py",
+        "bsdfs/microfacets/facets.py",
         (
             (
                 "            return self.alpha_u, self.alpha_v",
@@ -85,19 +85,19 @@ TURNED = (
     ),
     Mutant(
         "second axis of a normal map by the right hand on mirrored charts too",
-        "bsdfs/relief.py",
+        "bsdfs/normals/shading_normals.py",
         (("where(turned & follows, -y, y)", "where(turned & ~turned, -y, y)"),),
         f"{MAPS}::test_the_normal_leans_along_u_and_v",
     ),
     Mutant(
         "mirrored pictures of normals taken for turned ones",
-        "bsdfs/relief.py",
+        "bsdfs/normals/shading_normals.py",
         (("above = turn.z * (turn.x", "above = 1.0 * (turn.x"),),
         f"{MAPS}::test_the_normal_leans_along_the_sides_of_a_turned_picture",
     ),
     Mutant(
         "normals turned the same way as their picture's coordinates",
-        "bsdfs/picture_axes.py",
+        "bsdfs/normals/tangent_space.py",
         (("-side * c / length", "side * c / length"),),
         f"{MAPS}::test_the_normal_leans_along_the_sides_of_a_turned_picture",
     ),
@@ -126,7 +126,7 @@ TURNED = (
     ),
     Mutant(
         "light lost in glass given back where a coat is in the scene",
-        "bsdfs/principled_view.py",
+        "bsdfs/disney/view.py",
         (
             (
                 "    if GLASS not in program.bsdfs:\n        return _no_glass",

@@ -5,7 +5,7 @@ import pytest
 
 from alight.core.constants import LUMINANCE
 from alight.core.srgb import decode_srgb
-from alight.formats.spectra import blackbody, to_linear_srgb
+from alight.formats.materials.spectra import blackbody, to_linear_srgb
 from alight.outputs.display import Display
 from alight.outputs.white_balance import adaptation, black_body_white, grey_world
 

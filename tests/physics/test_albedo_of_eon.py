@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from alight.bsdfs.eon import EXAMPLES, albedo
+from alight.bsdfs.matte.eon import EXAMPLES, albedo
 from alight.core.vec import Vec3
 from alight.laws.materials import Material
 from lanewise.jit import instantiate

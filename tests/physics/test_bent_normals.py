@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.bump_map import BumpMap
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.bump_map import BumpMap
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.nesting import leaves
-from alight.bsdfs.normal_map import NormalMap
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.relief import _seen, fading, lit_normal
-from alight.bsdfs.rough_conductor import RoughConductor
-from alight.bsdfs.rough_dielectric import RoughDielectric
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.normals.shading_normals import _seen, fading, lit_normal
+from alight.bsdfs.plastics.plastic import Plastic
 from alight.core.vec import Vec3
 from alight.laws.materials import Material, direction, random_numbers
 from alight.laws.statistics import unit_vectors
@@ -37,7 +37,7 @@ def lambert(normal, wo, wi):
 
 @pytest.mark.parametrize("outer", [NormalMap, BumpMap])
 @pytest.mark.parametrize("inner", [NormalMap, BumpMap])
-def test_of_two_reliefs_the_inner_one_counts(outer, inner):
+def test_of_two_maps_of_normals_the_inner_one_counts(outer, inner):
     def bent(wrapper, bsdf):
         texture = (0.7, 0.4, 0.9) if wrapper is NormalMap else Bitmap(pixels=((0.0, 1.0),))
         return wrapper(texture=texture, bsdf=bsdf)
@@ -45,8 +45,8 @@ def test_of_two_reliefs_the_inner_one_counts(outer, inner):
     below = bent(inner, Diffuse())
     whole = TwoSided(bsdf=bent(outer, Blend(bsdfs=(below, Diffuse(reflectance=0.2)))))
     one, other = leaves(whole)
-    assert one.relief is below
-    assert other.relief is whole.bsdf
+    assert one.normals is below
+    assert other.normals is whole.bsdf
 
 
 def test_normals_of_a_map_are_its_colours():

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.burley import Burley
-from alight.bsdfs.conductor import METALS, Conductor
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.phong import SHARPEST, Phong
-from alight.bsdfs.uniform_scatter import UniformScatter
+from alight.bsdfs.conductors.conductor import METALS, Conductor
+from alight.bsdfs.disney.burley import Burley
+from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.matte.uniform_scatter import UniformScatter
+from alight.bsdfs.plastics.phong import SHARPEST, Phong
 from tests.sampling.materials import Material, direction, random_numbers, unit_interval
 from tests.sampling.statistics import unit_vectors
 

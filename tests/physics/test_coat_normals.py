@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.normal_map import NormalMap
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.disney.principled import Principled
 from alight.laws.check import CHECKS
 from alight.laws.materials import Material, random_numbers
 from alight.laws.report import Report

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.albedo_rows import LEAST_ALPHA, STEPS
-from alight.bsdfs.coated_conductor import CoatedConductor, layers_of
-from alight.bsdfs.layered import _shared, albedos
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.rough_plastic import RoughPlastic
+from alight.bsdfs.conductors.coated_conductor import CoatedConductor, layers_of
+from alight.bsdfs.microfacets.albedo_rows import LEAST_ALPHA, STEPS
+from alight.bsdfs.microfacets.layered import _shared, albedos
+from alight.bsdfs.plastics.plastic import Plastic
+from alight.bsdfs.plastics.rough_plastic import RoughPlastic
 from alight.formats.pbrt.walks import Coat, base_of_walk
 from alight.laws.materials import Material, direction, random_numbers
 from tests.physics.layered_walk import Lambert, Metal, fresnel, fresnel_of_metal, walks

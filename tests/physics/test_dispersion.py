@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.dielectric import Dielectric
-from alight.bsdfs.dispersion import SUBSTANCES, extremes_of, indices, spread_of
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.dispersion import SUBSTANCES, extremes_of, indices, spread_of
 from alight.bsdfs.switch import SPREADS
 from alight.compiled.materials import compile_materials
 from alight.core.errors import SceneError
@@ -23,8 +23,8 @@ from alight.core.wavelengths import (
     weights_at,
 )
 from alight.formats import loads
-from alight.formats.cie import OBSERVER, WAVELENGTHS
-from alight.formats.spectra import TO_SRGB
+from alight.formats.materials.cie import OBSERVER, WAVELENGTHS
+from alight.formats.materials.spectra import TO_SRGB
 from alight.laws.statistics import LARGEST_Z
 from tests.twin import picture_of
 

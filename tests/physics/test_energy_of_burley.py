@@ -7,11 +7,11 @@ import re
 import numpy as np
 import pytest
 
-from alight.bsdfs import burley, burley_thin
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.burley import Burley, burley_facets
-from alight.bsdfs.burley_thin import BurleyThin
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.disney import burley, burley_thin
+from alight.bsdfs.disney.burley import Burley, burley_facets
+from alight.bsdfs.disney.burley_thin import BurleyThin
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.cameras.pinhole import Pinhole
 from alight.lab.info import energy_notes
 from alight.laws.materials import Material, direction

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import special
 
-from alight.bsdfs import hair
-from alight.bsdfs.fibre_lobes import scaled_bessel
+from alight.bsdfs.fibres import hair
+from alight.bsdfs.fibres.lobes import scaled_bessel
 from alight.laws.materials import Material
 from alight.laws.statistics import SphereCells
 

@@ -8,8 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from alight.bsdfs.dielectric import Dielectric
-from alight.bsdfs.dispersion import SUBSTANCES, Dispersive, index_at, indices, pack_spread
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.dispersion import (
+    SUBSTANCES,
+    Dispersive,
+    index_at,
+    indices,
+    pack_spread,
+)
 from alight.bsdfs.model import BSDFS
 from alight.core.errors import SceneError
 from alight.core.registry import specs

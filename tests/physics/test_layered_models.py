@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.mask import Mask
-from alight.bsdfs.phong import Phong
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.rough_conductor import RoughConductor
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.plastics.phong import Phong
+from alight.bsdfs.plastics.plastic import Plastic
 from alight.laws.materials import Material, direction, random_numbers, unit_interval
 
 N = 4096

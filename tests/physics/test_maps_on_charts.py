@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from alight.accel import intersect_closest
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.normal_map import NormalMap
 from alight.bsdfs.dispatch import evaluate_bsdf
-from alight.bsdfs.normal_map import NormalMap
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.core.vec import Vec3
 from alight.formats import loads
 from alight.scene import matrix

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy import special
 
-from alight.bsdfs.coating import STEPS, coat_row, diffuse_reflectance
 from alight.bsdfs.dispatch import albedo_bsdf
 from alight.bsdfs.flags import DELTA
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.rough_plastic import RoughPlastic
+from alight.bsdfs.plastics.coating import STEPS, coat_row, diffuse_reflectance
+from alight.bsdfs.plastics.plastic import Plastic
+from alight.bsdfs.plastics.rough_plastic import RoughPlastic
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.constant import Constant
 from lanewise.jit import instantiate

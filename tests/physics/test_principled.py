@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.albedo_rows import MEANS, ROW, Needs, alpha_along, facet_rows
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.eon import Eon
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.visible_facets import bounce, see_facets
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.matte.eon import Eon
+from alight.bsdfs.microfacets.albedo_rows import MEANS, ROW, Needs, alpha_along, facet_rows
+from alight.bsdfs.microfacets.visible_facets import bounce, see_facets
 from alight.core.microfacet import Facets
 from alight.laws.compiled import N as LANES_OF_LAW
 from alight.laws.compiled import scatter
@@ -176,7 +176,7 @@ def test_each_parameter_alone_may_be_textured(name):
 
 def test_film_is_the_sum_of_all_wavelengths():
     """Belcour and Barla's sum against Airy's formula, over Gaussians of the eye's response."""
-    from alight.bsdfs.thin_film import film_fresnel
+    from alight.bsdfs.disney.thin_film import film_fresnel
 
     f = np.float32
     for cosine in (1.0, 0.6):
@@ -192,7 +192,7 @@ def test_film_is_the_sum_of_all_wavelengths():
 @pytest.mark.parametrize("film", [1.33, 2.0])
 def test_of_a_thick_film_intensities_add_up_channel_by_channel(cosine, film):
     """Its fringes are finer than the eye's response: the geometric series of a glass plate."""
-    from alight.bsdfs.thin_film import film_fresnel
+    from alight.bsdfs.disney.thin_film import film_fresnel
 
     f0 = np.array([0.9, 0.5, 0.04])
     found = film_fresnel(*np.float32((cosine, film, 2e5)), Vec3(*f0.astype(np.float32)))

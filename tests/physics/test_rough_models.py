@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from alight.bsdfs.conductor import METALS, Conductor
-from alight.bsdfs.dielectric import Dielectric
+from alight.bsdfs.conductors.conductor import METALS, Conductor
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
+from alight.bsdfs.dielectrics.thin_dielectric import ThinDielectric
 from alight.bsdfs.flags import NULL, REFLECTION, TRANSMISSION
-from alight.bsdfs.oren_nayar import OrenNayar
-from alight.bsdfs.rough_conductor import RoughConductor
-from alight.bsdfs.rough_dielectric import RoughDielectric
-from alight.bsdfs.thin_dielectric import ThinDielectric
+from alight.bsdfs.matte.oren_nayar import OrenNayar
 from alight.core.errors import SceneError
 from tests.sampling.materials import Material, direction, random_numbers, unit_interval
 from tests.sampling.statistics import unit_vectors, z_of_mean

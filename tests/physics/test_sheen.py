@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from alight.bsdfs.sheen import LEAST_ROUGHNESS, STEPS, sheen_albedo, sheen_f_cos, sheen_rows
+from alight.bsdfs.disney.sheen import LEAST_ROUGHNESS, STEPS, sheen_albedo, sheen_f_cos, sheen_rows
 from alight.compiled.program import Program
 from alight.core.vec import Vec3
 from alight.laws.statistics import unit_vectors

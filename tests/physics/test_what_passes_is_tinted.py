@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.burley import Burley
-from alight.bsdfs.burley_thin import BurleyThin
-from alight.bsdfs.dielectric import Dielectric
-from alight.bsdfs.diffuse_transmission import DiffuseTransmission
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.rough_dielectric import RoughDielectric
-from alight.bsdfs.thin_dielectric import ThinDielectric
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
+from alight.bsdfs.dielectrics.thin_dielectric import ThinDielectric
+from alight.bsdfs.disney.burley import Burley
+from alight.bsdfs.disney.burley_thin import BurleyThin
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse_transmission import DiffuseTransmission
 from alight.core.registry import modules
 from alight.laws.materials import Material, direction, random_numbers
 from alight.laws.statistics import unit_vectors

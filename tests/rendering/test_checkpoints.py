@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import alight
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.core.errors import FilmError, OptionError, OutputError
 from alight.films import Film
 from alight.rendering.checkpoints import checkpoint_writer, resume

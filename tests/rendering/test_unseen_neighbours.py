@@ -8,7 +8,7 @@ brushed: without such a surface directions are chosen in other frames, and sampl
 import numpy as np
 import pytest
 
-from alight.bsdfs import principled
+from alight.bsdfs.disney import principled
 from alight.core.registry import modules
 from alight.formats import loads
 from alight.integrators.path import Path

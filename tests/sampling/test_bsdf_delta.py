@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.conductor import Conductor
-from alight.bsdfs.dielectric import Dielectric
+from alight.bsdfs.conductors.conductor import Conductor
+from alight.bsdfs.conductors.mirror import Mirror
+from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.bsdfs.dielectrics.null import Null
 from alight.bsdfs.flags import DELTA, NULL, REFLECTION, TRANSMISSION
-from alight.bsdfs.mirror import Mirror
-from alight.bsdfs.null import Null
 from tests.sampling.materials import Material, direction, unit_interval
 
 N = 4096

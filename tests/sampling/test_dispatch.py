@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from alight.bsdfs import MODELS
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.conductor import Conductor
-from alight.bsdfs.diffuse import UNIFORM, Diffuse
-from alight.bsdfs.mask import Mask
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.conductors.conductor import Conductor
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import UNIFORM, Diffuse
 from alight.bsdfs.model import BSDFS, STRIDE, stride_of
-from alight.bsdfs.phong import Phong
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.rough_plastic import RoughPlastic
+from alight.bsdfs.plastics.phong import Phong
+from alight.bsdfs.plastics.plastic import Plastic
+from alight.bsdfs.plastics.rough_plastic import RoughPlastic
 from alight.bsdfs.switch import SAME_BACK
-from alight.bsdfs.two_sided import TwoSided
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
 from alight.core.registry import type_name_of

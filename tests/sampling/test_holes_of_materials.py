@@ -2,12 +2,12 @@
 
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.mask import Mask
-from alight.bsdfs.null import Null
-from alight.bsdfs.thin_dielectric import ThinDielectric
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.dielectrics.null import Null
+from alight.bsdfs.dielectrics.thin_dielectric import ThinDielectric
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.laws import bsdfs as laws
 from alight.laws.materials import Material
 

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.conductor import Conductor
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.adapters.mask import Mask
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.conductors.conductor import Conductor
+from alight.bsdfs.conductors.mirror import Mirror
 from alight.bsdfs.dispatch import LAYERED_NAME, albedo_bsdf
 from alight.bsdfs.flags import DELTA, NULL
-from alight.bsdfs.mask import Mask
-from alight.bsdfs.mirror import Mirror
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.nesting import MOST_LEAVES, leaves
-from alight.bsdfs.phong import Phong
-from alight.bsdfs.plastic import Plastic
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.plastics.phong import Phong
+from alight.bsdfs.plastics.plastic import Plastic
 from alight.compiled.materials import compile_materials
 from alight.core.errors import SceneError
 from alight.textures.checkerboard import Checkerboard

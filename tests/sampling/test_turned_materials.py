@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.hair import Hair
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.fibres.hair import Hair
 from alight.bsdfs.nesting import leaves
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.rough_conductor import RoughConductor
-from alight.bsdfs.rough_dielectric import RoughDielectric
 from alight.laws import bsdfs as laws
 from alight.textures.checkerboard import Checkerboard
 from tests.sampling.materials import EXAMPLES, NAMES, Material, direction, random_numbers
@@ -27,7 +27,7 @@ BRUSHED = {
 UNBENT = {
     name: spec
     for name, spec in zip(NAMES, EXAMPLES, strict=True)
-    if all(leaf.relief is None for leaf in leaves(spec))
+    if all(leaf.normals is None for leaf in leaves(spec))
     and not (isinstance(spec, Hair) and spec.alpha)
 }
 ANGLES = (0.5, 2.2, -1.3)

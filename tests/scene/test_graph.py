@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.mirror import Mirror
-from alight.bsdfs.two_sided import TwoSided
+from alight.bsdfs.adapters.two_sided import TwoSided
+from alight.bsdfs.conductors.mirror import Mirror
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.cameras.pinhole import Pinhole
 from alight.core.errors import SceneError
 from alight.formats import load

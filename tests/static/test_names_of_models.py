@@ -21,8 +21,8 @@ EVERYWHERE = {"none"}
 
 #: Words of another meaning, by file.
 OTHER_MEANINGS: dict[str, set[str]] = {
-    "bsdfs/phong.py": {"diffuse"},
-    "bsdfs/plastic.py": {"diffuse"},
+    "bsdfs/plastics/phong.py": {"diffuse"},
+    "bsdfs/plastics/plastic.py": {"diffuse"},
     "core/model_form.py": {"area"},
     "core/spec.py": {"environment", "light"},
     "integrators/queue.py": {"direct"},

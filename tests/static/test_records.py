@@ -76,7 +76,7 @@ def numbered_slots(module):
 
 
 def test_slots_of_models_have_names():
-    paths = [path for folder in OF_TABLES for path in (PACKAGE / folder).glob("*.py")]
+    paths = [path for folder in OF_TABLES for path in (PACKAGE / folder).rglob("*.py")]
     assert not {path.name: lines for path in paths if (lines := numbered_slots(tree(path)))}
 
 

@@ -12,7 +12,7 @@ from tests.static.sources import FAMILIES, PACKAGE, assigned_names
 
 def _model_files(family):
     """Files that hold a model: those that give EXAMPLES of it."""
-    files = sorted((PACKAGE / family).glob("*.py"))
+    files = sorted((PACKAGE / family).rglob("*.py"))
     return {path.stem for path in files if "EXAMPLES" in assigned_names(path)}
 
 

@@ -4,7 +4,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.textures import fetch

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.phong import Phong
+from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.plastics.phong import Phong
 from alight.compiled.materials import compile_materials
 from alight.compiled.program import Program
 from alight.core.errors import SceneError

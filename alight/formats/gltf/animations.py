@@ -28,7 +28,7 @@ from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.scenes import numbered
 from alight.formats.gltf.values import Item
-from alight.formats.shown import Shown
+from alight.formats.reading.shown import Shown
 
 Rows = NDArray[np.float64]
 #: What a channel moves -> how many numbers that is; weights are as many as there are targets.

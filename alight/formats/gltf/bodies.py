@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from alight.formats.gltf.values import Item
-from alight.formats.surfaces import Surface, index_of, reflectance
+from alight.formats.materials.surfaces import Surface, index_of, reflectance
 from alight.meshes.volume import is_closed
 
 Data = dict[str, Any]

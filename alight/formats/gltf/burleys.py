@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from alight.bsdfs.burley import Burley
-from alight.bsdfs.burley_thin import BurleyThin
-from alight.bsdfs.principled import Principled
+from alight.bsdfs.disney.burley import Burley
+from alight.bsdfs.disney.burley_thin import BurleyThin
+from alight.bsdfs.disney.principled import Principled
 from alight.core.spec import Texture
 
 

@@ -17,9 +17,9 @@ from urllib.parse import unquote
 
 from alight.core.errors import Issue, SceneError, quote, show_value
 from alight.formats.gltf.values import Item
-from alight.formats.packed import content_of
-from alight.formats.reach import OutOfReachError, Reach
-from alight.formats.report import Report
+from alight.formats.reading.packed import content_of
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.reading.report import Report
 
 MOST_BYTES = 2**30
 MOST_JSON = 256 * 2**20

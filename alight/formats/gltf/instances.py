@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from alight.core.errors import SceneError
+from alight.formats.geometry.skinning import Matrices
 from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
-from alight.formats.skins import Matrices
-from alight.formats.surroundings import Bounds
+from alight.formats.scenes.surroundings import Bounds
 from alight.scene.transform import Matrix
 
 NAME = "EXT_mesh_gpu_instancing"

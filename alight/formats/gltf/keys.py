@@ -11,7 +11,7 @@ import difflib
 from typing import Any
 
 from alight.core.errors import quote
-from alight.formats.report import Report, did_you_mean
+from alight.formats.reading.report import Report, did_you_mean
 
 #: Kind of object -> its keys -> the kind of what stands there: "" for plain values.
 _INFO = {"index": "", "texCoord": ""}

@@ -16,7 +16,7 @@ from alight.formats.gltf.container import Document
 from alight.formats.gltf.textures import Data, Textures
 from alight.formats.gltf.values import Item
 from alight.formats.gltf.vertex_colors import OPACITY_SET, color_channels, opacity_texture
-from alight.formats.surfaces import (
+from alight.formats.materials.surfaces import (
     BRIGHTEST,
     LARGEST_IOR,
     Surface,
@@ -25,7 +25,7 @@ from alight.formats.surfaces import (
     is_metal,
     reflection,
 )
-from alight.formats.textures import (
+from alight.formats.materials.textures import (
     FLAT_NORMAL,
     between,
     by_vertices,

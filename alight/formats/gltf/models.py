@@ -15,24 +15,30 @@ from typing import Any
 
 import numpy as np
 
-from alight.bsdfs.blend import Blend
-from alight.bsdfs.burley import Burley
-from alight.bsdfs.burley_thin import BurleyThin
-from alight.bsdfs.coated_conductor import CoatedConductor
-from alight.bsdfs.conductor import Metallic, OfMetal
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.dispersion import indices
-from alight.bsdfs.facets import Rough
-from alight.bsdfs.interface import Interface
-from alight.bsdfs.phong import Phong
-from alight.bsdfs.plastic import Coated
-from alight.bsdfs.principled import Principled
-from alight.bsdfs.subsurface import Subsurface
+from alight.bsdfs.adapters.blend import Blend
+from alight.bsdfs.conductors.coated_conductor import CoatedConductor
+from alight.bsdfs.conductors.conductor import Metallic, OfMetal
+from alight.bsdfs.dielectrics.dispersion import indices
+from alight.bsdfs.dielectrics.interface import Interface
+from alight.bsdfs.disney.burley import Burley
+from alight.bsdfs.disney.burley_thin import BurleyThin
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.interiors.subsurface import Subsurface
+from alight.bsdfs.matte.diffuse import Diffuse
+from alight.bsdfs.microfacets.facets import Rough
+from alight.bsdfs.plastics.phong import Phong
+from alight.bsdfs.plastics.plastic import Coated
 from alight.core.spec import Bsdf, Texture
 from alight.core.wavelengths import LINE_C, LINE_F
 from alight.formats.gltf.burleys import burley_as_principled
 from alight.formats.gltf.planes import Plane, plane_of
-from alight.formats.surfaces import BRIGHTEST, LARGEST_IOR, abbe_number, index_of, reflectance
+from alight.formats.materials.surfaces import (
+    BRIGHTEST,
+    LARGEST_IOR,
+    abbe_number,
+    index_of,
+    reflectance,
+)
 from alight.textures.multiply import Multiply
 
 WHITE = (1.0, 1.0, 1.0)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError
-from alight.formats.cameras import Parallel, Perspective
+from alight.formats.geometry.skinning import Matrices
 from alight.formats.gltf.bodies import have_insides
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.instances import NAME, add_bounds, instance_matrices, rotations
@@ -26,12 +26,12 @@ from alight.formats.gltf.places import unscaled
 from alight.formats.gltf.skins import joint_matrices
 from alight.formats.gltf.textures import Data
 from alight.formats.gltf.values import Item
-from alight.formats.lamps import parallel, point, spot, turned
-from alight.formats.model_scene import ModelScene
-from alight.formats.names import free_name
-from alight.formats.skins import Matrices
-from alight.formats.surfaces import Surface
-from alight.formats.surroundings import SIZE
+from alight.formats.materials.surfaces import Surface
+from alight.formats.reading.names import free_name
+from alight.formats.scenes.cameras import Parallel, Perspective
+from alight.formats.scenes.lamps import parallel, point, spot, turned
+from alight.formats.scenes.model_scene import ModelScene
+from alight.formats.scenes.surroundings import SIZE
 from alight.scene.transform import Matrix, is_singular
 
 #: Nodes this deep carry all that is below them; the native format ends at 24.

@@ -17,10 +17,10 @@ from alight.formats.gltf.scenes import choose_scene
 from alight.formats.gltf.textures import WAYS_OUT, WEBP
 from alight.formats.gltf.variants import NAME as VARIANTS
 from alight.formats.gltf.variants import choose_variant
-from alight.formats.parsed import Parsed
-from alight.formats.reach import Reach
-from alight.formats.report import Report, did_you_mean
-from alight.formats.shown import Shown
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report, did_you_mean
+from alight.formats.reading.shown import Shown
+from alight.formats.scenes.parsed import Parsed
 
 #: Extensions that are read.
 COVERED = (

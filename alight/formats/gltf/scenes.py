@@ -8,7 +8,7 @@ from __future__ import annotations
 from alight.core.errors import Issue, SceneError, quote, unknown_name
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
-from alight.formats.shown import flag
+from alight.formats.reading.shown import flag
 
 
 def numbered(items: list[Item], wanted: str, option: str, kind: str, file: str) -> int:

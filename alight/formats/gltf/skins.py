@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.formats.geometry.skinning import Matrices, held
 from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
-from alight.formats.skins import Matrices, held
 
 
 def joint_matrices(

@@ -21,8 +21,15 @@ from alight.core.errors import SceneError
 from alight.formats.gltf.accessors import view_bytes
 from alight.formats.gltf.container import Document
 from alight.formats.gltf.values import Item
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import CHECKERED, MISSING, WITHOUT, bitmap, packed_picture, wrapped
+from alight.formats.materials.textures import (
+    CHECKERED,
+    MISSING,
+    WITHOUT,
+    bitmap,
+    packed_picture,
+    wrapped,
+)
+from alight.formats.reading.reach import OutOfReachError
 from alight.textures.images import Image
 
 Data = dict[str, Any]

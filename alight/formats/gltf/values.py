@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, show_value, unknown_name
-from alight.formats.report import Report
+from alight.formats.reading.report import Report
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from alight.bsdfs.normal_map import NormalMap
-from alight.bsdfs.principled import Principled
+from alight.bsdfs.adapters.normal_map import NormalMap
+from alight.bsdfs.disney.principled import Principled
 from alight.core.spec import Bsdf, Light, Texture
 from alight.formats.gltf.models import as_principled
 from alight.formats.gltf.planes import Plane, plane_of

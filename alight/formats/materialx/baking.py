@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import SceneError
+from alight.formats.materials.textures import channel
 from alight.formats.materialx.values import Data, Plain, Value, Varying
-from alight.formats.textures import channel
 from alight.scene.files import Files
 from alight.scene.images import picture
 from alight.textures.images import Image

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from alight.formats.materials.surfaces import index_of, reflectance
 from alight.formats.materialx.shading import Data, Shading, is_one, is_zero
 from alight.formats.materialx.values import Plain, Value, Varying
-from alight.formats.surfaces import index_of, reflectance
 
 #: The least and the largest radius, metres.
 LEAST_RADIUS, MOST_RADIUS = 1e-12, 1e9

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.materialx.nodes import Node
-from alight.formats.report import Report
-from alight.formats.xml import Element
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import Element
 
 
 class Definitions:

@@ -6,7 +6,7 @@ Source: MaterialX specification, version 1.39, "PBS library": displacement shade
 from __future__ import annotations
 
 from alight.core.errors import quote
-from alight.formats.heights import Heights
+from alight.formats.geometry.displacement import Heights
 from alight.formats.materialx.evaluate import Evaluator
 from alight.formats.materialx.nodes import Node
 from alight.formats.materialx.protocols import Host

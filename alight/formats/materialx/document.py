@@ -17,11 +17,11 @@ from typing import Any
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.materialx.definitions import Definitions
 from alight.formats.materialx.nodes import MOST_DEEP, WIDTHS, Input, Node
-from alight.formats.mitsuba.values import NotNumbersError, parse_integer, parse_numbers
-from alight.formats.packed import text_of
-from alight.formats.reach import OutOfReachError, Reach
-from alight.formats.report import Report
-from alight.formats.xml import MOST_BYTES, MOST_ELEMENTS, Element, read
+from alight.formats.reading.numbers import NotNumbersError, parse_integer, parse_numbers
+from alight.formats.reading.packed import text_of
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import MOST_BYTES, MOST_ELEMENTS, Element, read
 
 MOST_INCLUDES, MOST_NODES = 64, 20_000
 #: Elements with inputs, in all versions.

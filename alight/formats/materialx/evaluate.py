@@ -32,7 +32,7 @@ from alight.formats.materialx.values import (
     spread,
     textured,
 )
-from alight.formats.report import did_you_mean
+from alight.formats.reading.report import did_you_mean
 
 #: Textures that a value is made of: a material takes 64, and adds some of its own.
 MOST_PARTS = 20

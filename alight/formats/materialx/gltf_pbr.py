@@ -6,10 +6,10 @@ these are.
 
 from __future__ import annotations
 
+from alight.formats.materials.surfaces import Surface
+from alight.formats.materials.textures import cut
 from alight.formats.materialx.shading import Data, Shading, is_zero
 from alight.formats.materialx.values import Plain
-from alight.formats.surfaces import Surface
-from alight.formats.textures import cut
 
 #: Inputs with their defaults.
 INPUTS: dict[str, float | tuple[float, ...]] = {

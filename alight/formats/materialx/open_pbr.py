@@ -6,10 +6,10 @@ graph of MaterialX's library, whose defaults these are.
 
 from __future__ import annotations
 
+from alight.formats.materials.surfaces import Surface
 from alight.formats.materialx.bodies import Below, body_of
 from alight.formats.materialx.shading import Data, Shading, is_one, is_zero
 from alight.formats.materialx.values import Plain, Value, affine
-from alight.formats.surfaces import Surface
 
 #: Inputs with their defaults.
 INPUTS: dict[str, float | tuple[float, ...]] = {

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import SceneError, quote
+from alight.formats.materials.textures import bitmap, channel, wrapped
+from alight.formats.materials.udim import is_tiled, lay_out
 from alight.formats.materialx.nodes import WIDTHS, Input, Node
 from alight.formats.materialx.placing import NoPlaceError, Place, Places
 from alight.formats.materialx.protocols import Evaluates
@@ -27,8 +29,6 @@ from alight.formats.materialx.values import (
     spread,
     textured,
 )
-from alight.formats.textures import bitmap, channel, wrapped
-from alight.formats.udim import is_tiled, lay_out
 from alight.scene.images import picture
 from alight.textures.images import Image
 

@@ -5,10 +5,10 @@ Source: Pixar, "UsdPreviewSurface specification", version 2.6.
 
 from __future__ import annotations
 
+from alight.formats.materials.surfaces import Surface, is_metal, reflection
+from alight.formats.materials.textures import cut
 from alight.formats.materialx.shading import Data, Shading, is_zero
 from alight.formats.materialx.values import Plain
-from alight.formats.surfaces import Surface, is_metal, reflection
-from alight.formats.textures import cut
 
 #: Inputs with their defaults.
 INPUTS: dict[str, float | tuple[float, ...]] = {

@@ -8,8 +8,8 @@ from typing import Any, Protocol
 from alight.formats.materialx.nodes import Input, Node
 from alight.formats.materialx.placing import Places
 from alight.formats.materialx.values import Value, Varying
-from alight.formats.reach import Reach
-from alight.formats.report import Report
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
 from alight.scene.files import Files
 from alight.textures.images import Image
 

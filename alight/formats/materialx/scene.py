@@ -7,20 +7,20 @@ from pathlib import Path
 from typing import Any
 
 from alight.core.errors import Issue, SceneError, quote
+from alight.formats.materials.surfaces import Surface, plain_surface
+from alight.formats.materials.textures import CHECKERED, MISSING, WITHOUT
+from alight.formats.materials.udim import find_tiles, is_tiled
 from alight.formats.materialx.document import Document, Material
 from alight.formats.materialx.nodes import Input, Node
 from alight.formats.materialx.shaders import not_covered, read_shader, stand_in
 from alight.formats.materialx.values import Value, spread, textured
-from alight.formats.model_scene import ModelScene
-from alight.formats.names import free_name
-from alight.formats.parsed import Parsed
-from alight.formats.reach import OutOfReachError, Reach
-from alight.formats.report import Report
-from alight.formats.shown import Shown
-from alight.formats.surfaces import Surface, plain_surface
-from alight.formats.textures import CHECKERED, MISSING, WITHOUT
-from alight.formats.udim import find_tiles, is_tiled
-from alight.formats.xml import MOST_BYTES
+from alight.formats.reading.names import free_name
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.reading.report import Report
+from alight.formats.reading.shown import Shown
+from alight.formats.reading.xml import MOST_BYTES
+from alight.formats.scenes.model_scene import ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.scene.transform import translate
 from alight.textures.images import Image
 

@@ -9,14 +9,14 @@ import math
 from typing import Any
 
 from alight.core.errors import quote
+from alight.formats.materials.surfaces import Surface
+from alight.formats.materials.textures import MISSING, bitmap
 from alight.formats.materialx import gltf_pbr, open_pbr, preview_surface, standard_surface
 from alight.formats.materialx.evaluate import Evaluator
 from alight.formats.materialx.nodes import Node
 from alight.formats.materialx.protocols import Host
 from alight.formats.materialx.shading import Shading
-from alight.formats.report import did_you_mean
-from alight.formats.surfaces import Surface
-from alight.formats.textures import MISSING, bitmap
+from alight.formats.reading.report import did_you_mean
 
 #: Shader -> its reader.
 SHADERS = {

@@ -6,12 +6,12 @@ import math
 from typing import Any
 
 from alight.core.errors import quote
+from alight.formats.materials.surfaces import LARGEST_IOR, Surface, abbe_number
+from alight.formats.materials.textures import FLAT_NORMAL, normal_color, normals
 from alight.formats.materialx.evaluate import Evaluator
 from alight.formats.materialx.nodes import Node
 from alight.formats.materialx.values import Plain, Value, Varying, affine, number, part, spread
-from alight.formats.report import did_you_mean
-from alight.formats.surfaces import LARGEST_IOR, Surface, abbe_number
-from alight.formats.textures import FLAT_NORMAL, normal_color, normals
+from alight.formats.reading.report import did_you_mean
 
 Data = dict[str, Any]
 #: Index of the coat of `principled`.

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import math
 
+from alight.formats.materials.surfaces import Surface
 from alight.formats.materialx.bodies import Below, body_of
 from alight.formats.materialx.shading import Data, Shading, is_one, is_zero
 from alight.formats.materialx.values import Plain, Value
-from alight.formats.surfaces import Surface
 
 #: Inputs with their defaults; of version 1.0.0 `base` was 0.8 and `base_color` white.
 INPUTS: dict[str, float | tuple[float, ...]] = {

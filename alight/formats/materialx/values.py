@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from alight.formats.textures import channel, ranging, stretched
+from alight.formats.materials.textures import channel, ranging, stretched
 
 Data = dict[str, Any]
 _NAMES = "rgb"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from alight.formats.materials.substances import SUBSTANCES, diffuse_reflectance
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.substances import SUBSTANCES, diffuse_reflectance
-from alight.formats.xml import Element
+from alight.formats.reading.xml import Element
 
 #: The medium of a file that names none.
 USUAL = "Skin1"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from alight.core.errors import unknown_name
-from alight.formats.metals import METALS
+from alight.formats.materials.metals import METALS
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.media import MEDIA
@@ -16,8 +16,8 @@ from alight.formats.mitsuba.textures import (
     number_or_texture,
     texture_value,
 )
-from alight.formats.mitsuba.values import NotNumbersError, parse_number
-from alight.formats.xml import Element
+from alight.formats.reading.numbers import NotNumbersError, parse_number
+from alight.formats.reading.xml import Element
 
 #: What takes the place of a material that is not covered.
 GREY: Data = {"type": "diffuse", "reflectance": [0.5, 0.5, 0.5]}

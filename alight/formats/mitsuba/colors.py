@@ -8,11 +8,11 @@ import numpy as np
 
 from alight.core.errors import quote
 from alight.core.srgb import decode_srgb
-from alight.formats.colors import Color, ColorReader, Role, checked, reduced
+from alight.formats.materials.colors import Color, ColorReader, Role, checked, reduced
+from alight.formats.materials.spectra import blackbody, to_linear_srgb
 from alight.formats.mitsuba.properties import Properties
-from alight.formats.mitsuba.values import NotNumbersError, parse_number, parse_numbers
-from alight.formats.spectra import blackbody, to_linear_srgb
-from alight.formats.xml import Element
+from alight.formats.reading.numbers import NotNumbersError, parse_number, parse_numbers
+from alight.formats.reading.xml import Element
 
 _PLUGINS = ("uniform", "d65", "blackbody", "regular", "irregular", "srgb")
 

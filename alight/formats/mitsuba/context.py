@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from alight.core.errors import join_path, unknown_name
-from alight.formats.context import Conversion, Data
 from alight.formats.mitsuba.colors import Colors
-from alight.formats.xml import Element
+from alight.formats.reading.context import Conversion, Data
+from alight.formats.reading.xml import Element
 
 #: Objects that refer to each other in a longer chain are refused.
 MOST_REFERENCES = 24
@@ -17,7 +17,7 @@ MOST_REFERENCES = 24
 
 @dataclass
 class Context(Conversion):
-    """State of one conversion; see `alight.formats.context.Conversion`.
+    """State of one conversion; see `alight.formats.reading.context.Conversion`.
 
     Attributes
     ----------

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 
 from alight.core.errors import Issue, SceneError, unknown_name
 from alight.formats.mitsuba.elements import parse
-from alight.formats.packed import text_of
-from alight.formats.reach import OutOfReachError, Reach
-from alight.formats.report import Report
-from alight.formats.xml import MOST_BYTES, MOST_ELEMENTS, Element
+from alight.formats.reading.packed import text_of
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import MOST_BYTES, MOST_ELEMENTS, Element
 
 MOST_INCLUDES = 64
 MOST_INCLUDE_LEVELS = 8

@@ -8,7 +8,7 @@ from alight.core.errors import join_path
 from alight.formats.mitsuba.colors import Role
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.properties import Properties
-from alight.formats.xml import Element
+from alight.formats.reading.xml import Element
 
 
 class Draft:

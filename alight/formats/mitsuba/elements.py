@@ -1,13 +1,13 @@
 """XML text of Mitsuba -> a tree of elements, in one spelling.
 
-See `alight.formats.xml` for what is refused.
+See `alight.formats.reading.xml` for what is refused.
 """
 
 from __future__ import annotations
 
 from alight.core.errors import Issue, SceneError
 from alight.formats.mitsuba.spelling import is_old, to_snake_case
-from alight.formats.xml import MOST_ELEMENTS, Element, read
+from alight.formats.reading.xml import MOST_ELEMENTS, Element, read
 
 
 def parse(text: str, name: str, most: int = MOST_ELEMENTS) -> tuple[Element, int]:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path
+from alight.formats.materials.textures import DARK, GREY_SKY
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.daylight import sky_and_sun
 from alight.formats.mitsuba.draft import Draft
@@ -15,9 +16,8 @@ from alight.formats.mitsuba.projectors import projector, textured_spot
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.textures import NUMBERS, texture_value
 from alight.formats.mitsuba.transforms import Step, steps_of
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import DARK, GREY_SKY
-from alight.formats.xml import Element
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.reading.xml import Element
 
 #: How lights are chosen is not the file's business; the picture is the same.
 _UNUSED = ("sampling_weight",)

@@ -6,7 +6,7 @@ import math
 
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.xml import Element
+from alight.formats.reading.xml import Element
 
 FILMS = ("hdrfilm", "ldrfilm")
 #: Films that differ in the files that they write.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from alight.core.spec import Camera
-from alight.formats.bounds import Bounds
+from alight.formats.geometry.bounds import Bounds
 from alight.formats.mitsuba.context import Context, Data
-from alight.formats.surroundings import add_camera, add_floor, add_light
+from alight.formats.scenes.surroundings import add_camera, add_floor, add_light
 from alight.scene.motion import NOWHERE, Placement
 from alight.scene.steps import parse_transform
 

@@ -8,8 +8,8 @@ from alight.core.errors import quote
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.interiors import SEEING
-from alight.formats.mitsuba.values import NotNumbersError, parse_integer
-from alight.formats.xml import Element
+from alight.formats.reading.numbers import NotNumbersError, parse_integer
+from alight.formats.reading.xml import Element
 
 #: Integrators that hold another one, and why nothing is lost without them.
 WRAPPERS = {

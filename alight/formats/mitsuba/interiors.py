@@ -16,8 +16,8 @@ from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.transforms import matrix_of, steps_of
-from alight.formats.reach import OutOfReachError
-from alight.formats.xml import Element
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.reading.xml import Element
 from alight.media.volumes import Volume
 from alight.scene.volumes import box_of, read_volume
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from alight.core.errors import SceneError, quote
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.packed import content_of
-from alight.formats.reach import OutOfReachError
+from alight.formats.reading.packed import content_of
+from alight.formats.reading.reach import OutOfReachError
 from alight.meshes import obj, ply, serialized
 from alight.meshes.normals import vertex_normals
 from alight.meshes.serialized import SerializedMesh

@@ -7,8 +7,8 @@ import math
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.properties import COLORS, Properties
 from alight.formats.mitsuba.transforms import Step, steps_of
-from alight.formats.reach import OutOfReachError
-from alight.formats.xml import Element
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.reading.xml import Element
 
 
 def projector(light: Draft) -> list[Step]:

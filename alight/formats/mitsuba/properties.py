@@ -6,15 +6,15 @@ from collections.abc import Callable
 from typing import TypeVar, overload
 
 from alight.core.errors import quote, unknown_name
-from alight.formats.asked import Asked
-from alight.formats.mitsuba.values import (
+from alight.formats.reading.numbers import (
     NotNumbersError,
     parse_integer,
     parse_number,
     parse_numbers,
 )
-from alight.formats.report import Report
-from alight.formats.xml import Element
+from alight.formats.reading.parameters import Asked
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import Element
 
 Number = TypeVar("Number", int, float)
 

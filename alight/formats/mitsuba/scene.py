@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from alight.core.errors import join_path, unknown_name
-from alight.formats.bounds import Bounds
+from alight.formats.geometry.bounds import Bounds
 from alight.formats.mitsuba import (
     bsdfs,
     emitters,
@@ -20,10 +20,10 @@ from alight.formats.mitsuba import (
 from alight.formats.mitsuba.context import Context
 from alight.formats.mitsuba.document import Document, read_document
 from alight.formats.mitsuba.framing import surround
-from alight.formats.parsed import Parsed
-from alight.formats.reach import Reach
-from alight.formats.report import Report
-from alight.formats.xml import Element
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import Element
+from alight.formats.scenes.parsed import Parsed
 from alight.scene.build import FORMAT_VERSION
 
 #: What converts materials, those that are approximated included.

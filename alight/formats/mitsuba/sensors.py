@@ -6,14 +6,14 @@ import math
 import re
 
 from alight.core.errors import quote
-from alight.formats.cameras import Parallel, Perspective, angle_of
 from alight.formats.mitsuba import interiors
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.films import film, sampler
 from alight.formats.mitsuba.transforms import motion_of
-from alight.formats.mitsuba.values import NotNumbersError, parse_number
-from alight.formats.xml import Element
+from alight.formats.reading.numbers import NotNumbersError, parse_number
+from alight.formats.reading.xml import Element
+from alight.formats.scenes.cameras import Parallel, Perspective, angle_of
 
 COVERED = ("perspective", "thinlens", "orthographic")
 AXES = ("x", "y", "diagonal", "smaller", "larger")

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from alight.core.errors import SceneError, join_path
-from alight.formats.context import sees_coordinates
 from alight.formats.mitsuba import bsdfs, interiors
 from alight.formats.mitsuba.below import scattering
 from alight.formats.mitsuba.context import Context, Data
@@ -16,7 +15,8 @@ from alight.formats.mitsuba.emitters import area_light
 from alight.formats.mitsuba.meshes import load_mesh
 from alight.formats.mitsuba.strands import load_strands
 from alight.formats.mitsuba.transforms import Step, is_mirrored, matrix_of, motion_of
-from alight.formats.xml import Element
+from alight.formats.reading.context import sees_coordinates
+from alight.formats.reading.xml import Element
 from alight.shapes.mesh import Mesh
 from alight.shapes.strands import StrandShape
 

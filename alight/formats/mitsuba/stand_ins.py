@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from alight.bsdfs.albedo_rows import LEAST_ALPHA
-from alight.formats import hair
+from alight.bsdfs.microfacets.albedo_rows import LEAST_ALPHA
+from alight.formats.materials import hair
+from alight.formats.materials.surfaces import LARGEST_IOR, reflectance
 from alight.formats.mitsuba.bsdfs import convert, medium_index, rough_plastic, roughness
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.textures import color_or_texture
-from alight.formats.mitsuba.values import NotNumbersError, parse_numbers
-from alight.formats.surfaces import LARGEST_IOR, reflectance
+from alight.formats.reading.numbers import NotNumbersError, parse_numbers
 
 _BLACK: Data = {"type": "diffuse", "reflectance": [0.0] * 3}
 MOST_PARTS = 16

@@ -13,8 +13,8 @@ from alight.core.errors import Issue, SceneError, quote, show_value
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.meshes import MOST_BYTES
 from alight.formats.mitsuba.transforms import Step, matrix_of
-from alight.formats.packed import content_of
-from alight.formats.reach import OutOfReachError
+from alight.formats.reading.packed import content_of
+from alight.formats.reading.reach import OutOfReachError
 from alight.shapes.curves import Curves
 
 #: Plug-in -> our basis, and the fewest points of a strand.

@@ -11,13 +11,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from alight.formats.materials.textures import CHECKERED, FLAT, LEVEL, MISSING
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.transforms import matrix_of, steps_of
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import CHECKERED, FLAT, LEVEL, MISSING
-from alight.formats.xml import Element
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.reading.xml import Element
 
 #: What takes the place of a texture that is not covered.
 GREY = [0.5, 0.5, 0.5]

@@ -12,9 +12,9 @@ import numpy as np
 
 from alight.core.errors import SceneError, unknown_name
 from alight.formats.mitsuba.properties import Properties, coordinates
-from alight.formats.mitsuba.values import NotNumbersError, parse_number, parse_numbers
-from alight.formats.report import Report
-from alight.formats.xml import Element
+from alight.formats.reading.numbers import NotNumbersError, parse_number, parse_numbers
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import Element
 from alight.scene.steps import parse_transform
 
 Step = dict[str, Any]

@@ -16,7 +16,7 @@ from alight.core.errors import Issue, SceneError, show_value
 from alight.formats.objects import arrays, open3d_objects, trimesh_objects, vtk_objects
 from alight.formats.objects.assembly import assembled
 from alight.formats.objects.pieces import Content, Look
-from alight.formats.parsed import Parsed
+from alight.formats.scenes.parsed import Parsed
 
 #: Package -> its reader, and the axis that points up where the package has a convention.
 READERS: dict[str, tuple[Callable[[Any, Look], Content], str]] = {

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.formats.model_scene import Data, ModelScene
-from alight.formats.names import free_name
+from alight.formats.materials.surfaces import Surface, plain_surface
+from alight.formats.materials.textures import bitmap
 from alight.formats.objects.color_maps import limits_of, places_in, strip
 from alight.formats.objects.creases import are_of, creased
 from alight.formats.objects.pieces import Array, Content, Look, Piece, PlacedView
-from alight.formats.parsed import Parsed
-from alight.formats.reach import Reach
-from alight.formats.surfaces import Surface, plain_surface
-from alight.formats.textures import bitmap
+from alight.formats.reading.names import free_name
+from alight.formats.reading.reach import Reach
+from alight.formats.scenes.model_scene import Data, ModelScene
+from alight.formats.scenes.parsed import Parsed
 from alight.meshes.triangles import MeshArrays
 from alight.scene import transform
 from alight.scene.meshes import mesh_of

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from alight.core.errors import Issue, OptionError, SceneError, show_value, unknown_name
 from alight.formats.objects.color_maps import OWN, names_of_maps
-from alight.formats.report import Report
+from alight.formats.reading.report import Report
 from alight.meshes.triangles import srgb_to_linear
 from alight.scene.transform import Matrix
 

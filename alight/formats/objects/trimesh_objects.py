@@ -16,7 +16,7 @@ from alight.formats.objects.pieces import (
     wrong,
 )
 from alight.formats.objects.points import balls
-from alight.formats.report import Report
+from alight.formats.reading.report import Report
 from alight.scene.transform import Matrix
 from alight.textures.images import as_image
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import Any
 
 from alight.core.errors import join_path, unknown_name
+from alight.formats.materials.substances import SUBSTANCES, diffuse_reflectance
+from alight.formats.materials.surfaces import LARGEST_IOR, two_sided
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.materials import coat, index
 from alight.formats.pbrt.roughness import alphas, one_alpha
 from alight.formats.pbrt.textures import Value
-from alight.formats.substances import SUBSTANCES, diffuse_reflectance
-from alight.formats.surfaces import LARGEST_IOR, two_sided
 from alight.scene.description import VACUUM
 from alight.shapes.strands import StrandShape
 

@@ -3,7 +3,7 @@
 pbrt 4 renders with spectra and shows them as seen by the CIE's observer; a light given as RGB
 shines as D65 of that colour, so that 1 1 1 is white, and any other spectrum of a light is scaled to
 the luminance 1 before ``scale`` or ``power`` count. Spectra of surfaces are reduced as seen in
-daylight (see `alight.formats.spectra`). pbrt 3 renders in RGB and scales nothing, but
+daylight (see `alight.formats.materials.spectra`). pbrt 3 renders in RGB and scales nothing, but
 the largest value of a ``blackbody`` to 1.
 """
 
@@ -12,12 +12,20 @@ from __future__ import annotations
 import numpy as np
 
 from alight.core.errors import unknown_name
-from alight.formats.colors import Color, ColorReader, NoColorError, Pairs, Role, pairs_of, reduced
-from alight.formats.metals import METALS
+from alight.formats.materials.colors import (
+    Color,
+    ColorReader,
+    NoColorError,
+    Pairs,
+    Role,
+    pairs_of,
+    reduced,
+)
+from alight.formats.materials.metals import METALS
+from alight.formats.materials.spectra import TO_SRGB, blackbody, to_linear_srgb
 from alight.formats.pbrt.directives import Parameter
-from alight.formats.reach import Reach
-from alight.formats.report import Report
-from alight.formats.spectra import TO_SRGB, blackbody, to_linear_srgb
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
 
 KINDS = ("rgb", "spectrum", "blackbody", "xyz")
 
@@ -27,7 +35,7 @@ GLASSES = {
     "glass-SF5": 1.6727, "glass-SF10": 1.7283, "glass-SF11": 1.7847,
     "glass-F5": 1.6727, "glass-F10": 1.7283, "glass-F11": 1.7847,
 }  # fmt: skip
-#: The same with dispersion, by our names (`alight.bsdfs.dispersion`).
+#: The same with dispersion, by our names (`alight.bsdfs.dielectrics.dispersion`).
 DISPERSION = {
     "glass-BK7": "bk7", "glass-BAF10": "baf10", "glass-FK51A": "fk51a", "glass-LASF9": "lasf9",
     "glass-SF5": "sf5", "glass-SF10": "sf10", "glass-SF11": "sf11",

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from alight.formats.context import Conversion, Data
 from alight.formats.pbrt.colors import Colors
+from alight.formats.reading.context import Conversion, Data
 
 
 @dataclass
 class Context(Conversion):
-    """State of one conversion; see `alight.formats.context.Conversion`.
+    """State of one conversion; see `alight.formats.reading.context.Conversion`.
 
     Attributes
     ----------

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from alight.core.errors import SceneError, quote
-from alight.formats.cameras import Perspective, angle_of
-from alight.formats.packed import content_of
 from alight.formats.pbrt.context import Context
 from alight.formats.pbrt.parameters import Parameters
-from alight.formats.reach import OutOfReachError
+from alight.formats.reading.packed import content_of
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.scenes.cameras import Perspective, angle_of
 
 MOST_BYTES, MOST_SURFACES = 2**20, 1000
 _COLUMNS = 4

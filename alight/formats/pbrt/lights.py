@@ -12,7 +12,7 @@ import numpy as np
 
 from alight.core.constants import LUMINANCE
 from alight.core.errors import Issue, SceneError
-from alight.formats.lamps import parallel, point, spot
+from alight.formats.materials.textures import DARK, GREY_SKY
 from alight.formats.pbrt.amounts import amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import to_latitude_longitude, to_sphere
@@ -20,8 +20,8 @@ from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.slides import goniometric, projection
 from alight.formats.pbrt.textures import Source, bitmap
 from alight.formats.pbrt.transforms import keeps_angles, turned_to
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import DARK, GREY_SKY
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.scenes.lamps import parallel, point, spot
 from alight.scene import images
 from alight.textures.images import Image
 

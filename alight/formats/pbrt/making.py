@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from alight.core.errors import join_path, unknown_name
+from alight.formats.materials.surfaces import two_sided
+from alight.formats.materials.textures import WITHOUT
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.pbrt.heights import height_of
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.textures import Role, Source, TextureItem, Value, entry
-from alight.formats.reach import OutOfReachError
-from alight.formats.surfaces import two_sided
-from alight.formats.textures import WITHOUT
+from alight.formats.reading.reach import OutOfReachError
 
 MOST_LEVELS = 12
 #: Endings of pictures whose numbers have no limit.

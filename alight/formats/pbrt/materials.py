@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from alight.formats.materials.surfaces import LARGEST_IOR, reflectance, two_sided
 from alight.formats.pbrt.colors import DISPERSION, INDICES
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.roughness import alphas, facets, is_smooth, one_alpha
 from alight.formats.pbrt.textures import Value, product
 from alight.formats.pbrt.walks import LEAST_ALPHA, Coat, base_of_walk
-from alight.formats.surfaces import LARGEST_IOR, reflectance, two_sided
 
 SMALLEST_ETA = 1e-6
 #: Rougher coats over a matte base are warned of.

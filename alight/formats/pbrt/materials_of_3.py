@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from alight.formats.materials.surfaces import index_of, reflection, two_sided
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.materials import coat, index, metal
 from alight.formats.pbrt.roughness import alphas, facets, is_smooth, one_alpha
 from alight.formats.pbrt.textures import Value
-from alight.formats.surfaces import index_of, reflection, two_sided
 
 #: What a coat reflects straight on where its colour is a texture.
 _USUAL = 0.04

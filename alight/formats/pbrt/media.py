@@ -18,11 +18,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
+from alight.formats.materials.substances import SUBSTANCES
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.transforms import scaling, translation
-from alight.formats.substances import SUBSTANCES
 from alight.media.volumes import Volume
 from alight.scene.description import VACUUM
 from alight.shapes.strands import StrandShape

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from alight.core.errors import quote
-from alight.formats.asked import Asked
 from alight.formats.pbrt.directives import Directive, Parameter
-from alight.formats.report import Report
+from alight.formats.reading.parameters import Asked
+from alight.formats.reading.report import Report
 
 #: Numbers in one value of a kind.
 WIDTHS = {"point": 3, "vector": 3, "normal": 3, "point2": 2, "vector2": 2}

@@ -7,8 +7,6 @@ import re
 import numpy as np
 
 from alight.core.errors import Issue, SceneError
-from alight.formats.packed import text_of
-from alight.formats.parsed import Parsed
 from alight.formats.pbrt import settings
 from alight.formats.pbrt.below import put_coats
 from alight.formats.pbrt.context import Context, Data
@@ -18,8 +16,10 @@ from alight.formats.pbrt.stand_ins import ONLY_IN_3
 from alight.formats.pbrt.transforms import FACING, inverse, keyframes
 from alight.formats.pbrt.words import BrokenError, Words
 from alight.formats.pbrt.world import World
-from alight.formats.reach import OutOfReachError, Reach
-from alight.formats.report import Report
+from alight.formats.reading.packed import text_of
+from alight.formats.reading.reach import OutOfReachError, Reach
+from alight.formats.reading.report import Report
+from alight.formats.scenes.parsed import Parsed
 from alight.scene.build import FORMAT_VERSION
 
 SUFFIX = ".pbrt"

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from alight.formats.cameras import Parallel, Perspective, angle_of
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive
 from alight.formats.pbrt.lenses import realistic
 from alight.formats.pbrt.media import SEEING
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.transforms import FACING
+from alight.formats.scenes.cameras import Parallel, Perspective, angle_of
 
 CAMERAS = ("perspective", "orthographic", "realistic")
 #: Of the film of a realistic camera, mm.

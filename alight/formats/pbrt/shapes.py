@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from alight.core.errors import SceneError, quote
-from alight.formats.packed import content_of
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.parameters import Parameters
 from alight.formats.pbrt.placed import Placed, angle_of, cut, described, mesh_of
 from alight.formats.pbrt.shapes_of_3 import OF_3
 from alight.formats.pbrt.strands import curve
-from alight.formats.reach import OutOfReachError
+from alight.formats.reading.packed import content_of
+from alight.formats.reading.reach import OutOfReachError
 from alight.meshes import ply, surfaces
 from alight.meshes.loop import MOST_LEVELS, MOST_TRIANGLES, NotManifoldError, subdivide
 from alight.scene.meshes import Geometry, checked

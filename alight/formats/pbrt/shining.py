@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from alight.formats.lamps import area_across, area_of_ball, area_of_mantle, area_of_mesh
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.transforms import steps, translation
+from alight.formats.scenes.lamps import area_across, area_of_ball, area_of_mantle, area_of_mesh
 from alight.meshes.normals import vertex_normals
 from alight.shapes.mesh import Mesh
 from alight.shapes.strand_rows import area as area_of_rows

@@ -18,12 +18,12 @@ import numpy as np
 
 from alight.core.constants import LUMINANCE
 from alight.core.errors import Issue, SceneError
-from alight.formats.lamps import point
 from alight.formats.pbrt.amounts import amount, placed, with_power
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.octahedral import texel, to_square
 from alight.formats.pbrt.parameters import Parameters
-from alight.formats.reach import OutOfReachError
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.scenes.lamps import point
 from alight.lights.ies import LUMENS, Ies, mean_color
 from alight.scene import images
 from alight.textures.images import Image

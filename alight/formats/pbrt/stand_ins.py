@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from alight.formats import hair
+from alight.formats.materials import hair
+from alight.formats.materials.surfaces import LARGEST_IOR, two_sided
 from alight.formats.pbrt.below import BELOW
 from alight.formats.pbrt.context import Data
 from alight.formats.pbrt.making import Making
 from alight.formats.pbrt.materials import coat
-from alight.formats.surfaces import LARGEST_IOR, two_sided
 
 _GREY, _GREY_ALPHA = [0.5] * 3, 0.3
 

@@ -13,12 +13,12 @@ import numpy as np
 
 from alight.core.constants import LUMINANCE
 from alight.core.errors import join_path, quote, unknown_name
+from alight.formats.materials.textures import CHECKERED, FLAT, MISSING
 from alight.formats.pbrt.colors import KINDS, Role
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.pbrt.parameters import Parameters
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import CHECKERED, FLAT, MISSING
+from alight.formats.reading.reach import OutOfReachError
 
 #: A colour, or the name of a texture.
 Value = list[float] | str

@@ -10,7 +10,7 @@ part R of diffuse light that gets back and N bounces, pbrt's base sends out
 
 ours with T' and R' the light T'^2 rho' / (1 - rho' R'), which is solved for rho'.
 
-Source: PBR4 section 14.3; `alight.bsdfs.layered` for T and R.
+Source: PBR4 section 14.3; `alight.bsdfs.microfacets.layered` for T and R.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alight.bsdfs.albedo_rows import LEAST_ALPHA as LEAST_ALPHA
-from alight.bsdfs.coating import STEPS, coat_row, diffuse_reflectance
-from alight.bsdfs.layered import matte_rounds
+from alight.bsdfs.microfacets.albedo_rows import LEAST_ALPHA as LEAST_ALPHA
+from alight.bsdfs.microfacets.layered import matte_rounds
+from alight.bsdfs.plastics.coating import STEPS, coat_row, diffuse_reflectance
 
 
 class Coat(NamedTuple):

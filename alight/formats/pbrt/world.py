@@ -7,8 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from alight.core.errors import join_path, quote, unknown_name
-from alight.formats.context import sees_coordinates
-from alight.formats.lamps import point
 from alight.formats.pbrt import lights, materials, patterns, textures
 from alight.formats.pbrt.attributes import Attributes
 from alight.formats.pbrt.context import Context, Data
@@ -26,6 +24,8 @@ from alight.formats.pbrt.state import State
 from alight.formats.pbrt.strands import MOST, Bundle, has_strands
 from alight.formats.pbrt.textures import Source, TextureItem
 from alight.formats.pbrt.transforms import keeps_angles, moving, steps, swaps_handedness
+from alight.formats.reading.context import sees_coordinates
+from alight.formats.scenes.lamps import point
 from alight.shapes.mesh import Mesh
 from alight.shapes.strands import StrandShape
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from alight.formats.cameras import Parallel, Perspective, angle_of
+from alight.formats.scenes.cameras import Parallel, Perspective, angle_of
 from alight.formats.usd.modules import UsdGeom
 from alight.formats.usd.stage import Stage
 

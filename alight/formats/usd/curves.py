@@ -12,7 +12,7 @@ import numpy as np
 
 from alight.core.errors import unknown_name
 from alight.core.fields import LARGEST
-from alight.formats.surfaces import Surface
+from alight.formats.materials.surfaces import Surface
 from alight.formats.usd.modules import UsdGeom
 from alight.formats.usd.placing import are_in_range
 from alight.formats.usd.stage import Stage

@@ -15,11 +15,11 @@ from typing import Any
 from alight.core.errors import SceneError
 from alight.formats.materialx.document import Document, Material
 from alight.formats.materialx.scene import decoded
-from alight.formats.packed import content_of
-from alight.formats.reach import Reach, UnreadableError
-from alight.formats.report import Report
+from alight.formats.reading.packed import content_of
+from alight.formats.reading.reach import Reach, UnreadableError
+from alight.formats.reading.report import Report
+from alight.formats.reading.xml import MOST_BYTES
 from alight.formats.usd.modules import Sdf, Tf
-from alight.formats.xml import MOST_BYTES
 
 SUFFIX = ".mtlx"
 #: Where a prim keeps the document that its material is read from, and its name there.

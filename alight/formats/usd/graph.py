@@ -10,10 +10,10 @@ import numpy as np
 
 from alight.core.errors import SceneError
 from alight.core.fields import LARGEST
-from alight.formats.bounds import Bounds, corners
-from alight.formats.model_scene import Data, ModelScene
-from alight.formats.names import free_name
-from alight.formats.surfaces import Surface
+from alight.formats.geometry.bounds import Bounds, corners
+from alight.formats.materials.surfaces import Surface
+from alight.formats.reading.names import free_name
+from alight.formats.scenes.model_scene import Data, ModelScene
 from alight.formats.usd.cameras import read_camera
 from alight.formats.usd.curves import read_curves, with_mean_color
 from alight.formats.usd.inherited import (

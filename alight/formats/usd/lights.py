@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from alight.formats.lamps import (
+from alight.formats.materials.textures import DARK, multiplied
+from alight.formats.reading.reach import OutOfReachError
+from alight.formats.scenes.lamps import (
     area_across,
     area_of_ball,
     area_of_mantle,
@@ -23,8 +25,6 @@ from alight.formats.lamps import (
     spot,
     turned,
 )
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import DARK, multiplied
 from alight.formats.usd.light_controls import say_what_is_unphysical
 from alight.formats.usd.modules import UsdLux
 from alight.formats.usd.stage import Stage, meters_per_unit

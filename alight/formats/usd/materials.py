@@ -10,13 +10,13 @@ from dataclasses import replace
 from typing import Any
 
 from alight.core.errors import quote
-from alight.formats.heights import Heights
+from alight.formats.geometry.displacement import Heights
+from alight.formats.materials.surfaces import LARGEST_IOR, Surface, is_metal, reflection
+from alight.formats.materials.textures import cut, normal_color
 from alight.formats.materialx.displacement import heights_of
 from alight.formats.materialx.scene import surface_of
 from alight.formats.materialx.shaders import SHADERS, read_shader
-from alight.formats.report import did_you_mean
-from alight.formats.surfaces import LARGEST_IOR, Surface, is_metal, reflection
-from alight.formats.textures import cut, normal_color
+from alight.formats.reading.report import did_you_mean
 from alight.formats.usd.modules import UsdGeom, UsdShade
 from alight.formats.usd.networks import StageHost, network_of
 from alight.formats.usd.stage import Stage

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from alight.formats.materials.textures import CHECKERED, MISSING, WITHOUT
 from alight.formats.materialx.nodes import Input, Node, category_of
 from alight.formats.materialx.scene import DocumentHost
 from alight.formats.materialx.values import Plain, Value, spread, textured
-from alight.formats.reach import OutOfReachError
-from alight.formats.textures import CHECKERED, MISSING, WITHOUT
+from alight.formats.reading.reach import OutOfReachError
 from alight.formats.usd.modules import Sdf, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES, picture_of

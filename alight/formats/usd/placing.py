@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.fields import LARGEST
-from alight.formats.report import Report
+from alight.formats.reading.report import Report
 from alight.formats.usd.stage import Stage
 from alight.scene.transform import is_singular
 

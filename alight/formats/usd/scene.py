@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from alight.core.errors import Issue, SceneError, show_value
-from alight.formats.parsed import Parsed
-from alight.formats.reach import Reach
-from alight.formats.report import Report
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
+from alight.formats.scenes.parsed import Parsed
 from alight.formats.usd.graph import Graph
 from alight.formats.usd.modules import Tf
 from alight.formats.usd.stage import first_line, open_stage, to_world, world_matrix

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.fields import LARGEST
-from alight.formats.skins import Matrices, held
+from alight.formats.geometry.skinning import Matrices, held
 from alight.formats.usd.modules import Usd, UsdGeom, UsdSkel
 from alight.formats.usd.stage import Stage
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from alight.core.errors import Issue, SceneError, quote, show_value
-from alight.formats.reach import OutOfReachError, Reach, is_file
-from alight.formats.report import Report
+from alight.formats.reading.reach import OutOfReachError, Reach, is_file
+from alight.formats.reading.report import Report
 from alight.formats.usd.documents import SUFFIX, Documents, read_layer
 from alight.formats.usd.modules import Sdf, Tf, Usd, UsdGeom, UsdUtils
 

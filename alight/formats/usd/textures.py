@@ -14,9 +14,8 @@ from pydantic_core import PydanticCustomError
 
 from alight.core.errors import quote
 from alight.core.uv_sets import MOST_SETS
-from alight.formats.heights import Heights
-from alight.formats.reach import OutOfReachError, UnreadableError
-from alight.formats.textures import (
+from alight.formats.geometry.displacement import Heights
+from alight.formats.materials.textures import (
     CHECKERED,
     MISSING,
     WITHOUT,
@@ -28,7 +27,8 @@ from alight.formats.textures import (
     stretched,
     wrapped,
 )
-from alight.formats.udim import find_tiles, is_tiled, lay_out
+from alight.formats.materials.udim import find_tiles, is_tiled, lay_out
+from alight.formats.reading.reach import OutOfReachError, UnreadableError
 from alight.formats.usd.modules import Ar, UsdGeom, UsdShade
 from alight.formats.usd.stage import Stage
 from alight.outputs.wraps import read_wraps

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.accel import intersect_closest
-from alight.bsdfs.bodies import absorbs, absorption_below, left_after
+from alight.bsdfs.interiors.bodies import absorbs, absorption_below, left_after
 from alight.core.constants import INFINITY
 from alight.shapes.hit import side_of, spawn_origin
 from alight.shapes.surfaces import make_surface

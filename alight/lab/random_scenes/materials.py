@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.hair import Hair
-from alight.bsdfs.interface import Interface
+from alight.bsdfs.dielectrics.interface import Interface
+from alight.bsdfs.fibres.hair import Hair
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.nesting import find_transmissive, leaves, scatters_inside
 from alight.core.fields import Interval
 from alight.core.registry import Models as Registry

@@ -169,9 +169,9 @@ RADIUS, INTENSITY, FAR, ROW = 3, 11, 13, 14
 #: In `Bounds.far`: nowhere; metres squared.
 NEVER = 3e38
 
-#: plain, importance: what a group may send, without and with the cosine at the point; apart: mask,
-#: only intensity counts below it.
-GroupImportance = namedtuple("GroupImportance", "plain importance apart")
+#: unoriented, importance: what a group may send, without and with the cosine at the point; apart:
+#: mask, only intensity counts below it.
+GroupImportance = namedtuple("GroupImportance", "unoriented importance apart")
 
 
 @kernel
@@ -255,9 +255,9 @@ def group_importance(group, p, n, everywhere, behind):
     span = rsqrt(towards - minimum(away, 0.0))
     mean = 0.5 * (towards + maximum(away, 0.0)) * towards * (span * span)
     nearness = rsqrt(maximum(far, CLOSEST * (group.radius * group.radius)))
-    plain = group.intensity * mean * (nearness * nearness)
-    plain = where(shines, plain, 0.0)
+    unoriented = group.intensity * mean * (nearness * nearness)
+    unoriented = where(shines, unoriented, 0.0)
     # At the lit point likewise.
     facing = where(everywhere, 1.0, dot(n, to_center) * inverse + sine)
     cosine = where(facing > -_GRAZING, maximum(minimum(facing, 1.0), _LEAST), 0.0)
-    return GroupImportance(plain, plain * maximum(cosine, behind), far > group.far)
+    return GroupImportance(unoriented, unoriented * maximum(cosine, behind), far > group.far)

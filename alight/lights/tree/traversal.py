@@ -7,7 +7,7 @@ down at random, to each child in proportion to a guess at the light that it send
 
 A path that hits a lamp is weighted against light sampling by a density without the normal: paths
 do not keep the normals of the vertices that they come from. Both sides of multiple importance
-sampling use that density (`Choice.plain`), so the weights sum to one; light sampling divides by
+sampling use that density (`Choice.mis_pmf`), so the weights sum to one; light sampling divides by
 its true probability.
 
 Once the sphere of a group is small from where it is seen, and its lights face much the same way,
@@ -85,9 +85,9 @@ TOP_BITS, MOST_LEVELS = 2, 28
 #: Smallest cosine at the lit point that counts where light from behind may matter.
 BEHIND = 0.1
 
-#: index: row of a light; pmf: the probability that it had; plain: that for MIS, without the normal;
-#: rest: number of its triangle (exact; 0 for others than meshes).
-Choice = namedtuple("Choice", "index pmf plain rest")
+#: index: row of a light; pmf: the probability that it had; mis_pmf: that for MIS, without the
+#: normal; rest: number of its triangle (exact; 0 for others than meshes).
+Choice = namedtuple("Choice", "index pmf mis_pmf rest")
 
 #: After choices that are less probable u has few digits left.
 SPENT = 2.0**-10
@@ -181,16 +181,16 @@ def choose_leaf(program):
         cdf = scene.lights.cdf
         everywhere = dot(n, n) < 0.5
         k, onward, prim = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes_u32(0)
-        pmf, plain = lanes(1.0), lanes(1.0)
+        pmf, mis_pmf = lanes(1.0), lanes(1.0)
         coasting = active & is_far(cdf, p)
         walking = active & ~coasting
         if any_lane(walking):
-            total, plain_total, apart = lanes(0.0), lanes(0.0), lanes_mask(False)
+            total, mis_total, apart = lanes(0.0), lanes(0.0), lanes_mask(False)
             top, i = as_int(cdf[START]), 0
             while i < TOP:
                 a = group_importance(bounds_of_row(cdf, top), p, n, everywhere, behind)
                 before = total
-                total, plain_total = total + a.importance, plain_total + a.plain
+                total, mis_total = total + a.importance, mis_total + a.unoriented
                 # The next one takes the place of those before with its share of the sum, where u is
                 # small: there nothing is rounded of what is left of u by improbable choices.
                 beyond = fma(u, total, -a.importance)
@@ -199,7 +199,8 @@ def choose_leaf(program):
                 rest = where(taken, u * total, beyond) / maximum(share, 1e-30)
                 rest = minimum(maximum(rest, 0.0), ONE_MINUS_EPSILON)
                 u = where(walking & (share > 0.0), rest, u)
-                pmf, plain = where(taken, a.importance, pmf), where(taken, a.plain, plain)
+                pmf = where(taken, a.importance, pmf)
+                mis_pmf = where(taken, a.unoriented, mis_pmf)
                 onward = where(taken, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
                 prim = where(taken, float_bits(lanes(cdf[top + TOP_PRIM])), prim)
                 apart = where(taken, a.apart, apart)
@@ -207,7 +208,7 @@ def choose_leaf(program):
                 i += 1
             alive = total > 0.0
             pmf = where(walking, where(alive, pmf / where(alive, total, 1.0), 0.0), 1.0)
-            plain = where(walking, plain / where(alive, plain_total, 1.0), 1.0)
+            mis_pmf = where(walking, mis_pmf / where(alive, mis_total, 1.0), 1.0)
             walking = walking & alive & (onward < LEAF)
             k = where(walking, onward, k)
             coasting = coasting | (walking & apart)
@@ -220,14 +221,14 @@ def choose_leaf(program):
                 extra = where(spent, 0.0, extra)
             a = group_importance(bounds_at(cdf, k), p, n, everywhere, behind)
             b = group_importance(bounds_at(cdf, k + CHILD), p, n, everywhere, behind)
-            total, plain_total = a.importance + b.importance, a.plain + b.plain
+            total, mis_total = a.importance + b.importance, a.unoriented + b.unoriented
             alive = total > 0.0
             share = where(alive, a.importance / where(alive, total, 1.0), 0.0)
             first, mine, rest = divide(u, share)
             u = where(walking, rest, u)
             pmf = where(walking, where(alive, pmf * mine, 0.0), pmf)
-            weight = where(first, a.plain, b.plain) / where(alive, plain_total, 1.0)
-            plain = where(walking, plain * weight, plain)
+            weight = where(first, a.unoriented, b.unoriented) / where(alive, mis_total, 1.0)
+            mis_pmf = where(walking, mis_pmf * weight, mis_pmf)
             chosen = where(first, k, k + CHILD)
             onward = where(walking, float_bits(gather(cdf, chosen + NEXT)), onward)
             prim = where(walking, float_bits(gather(cdf, chosen + PRIM)), prim)
@@ -241,10 +242,11 @@ def choose_leaf(program):
         if any_lane(coasting):
             group = where(coasting, k, first_node(cdf))
             leaf, share = leaf_by_intensity(cdf, group, u, extra, pmf)
-            pmf, plain = where(coasting, pmf * share, pmf), where(coasting, plain * share, plain)
+            pmf = where(coasting, pmf * share, pmf)
+            mis_pmf = where(coasting, mis_pmf * share, mis_pmf)
             rows, prims = leaf_words(cdf, leaf)
             index, prim = where(coasting, rows, index), where(coasting, prims, prim)
-        return Choice(index, where(ended | coasting, pmf, 0.0), plain, to_float(prim))
+        return Choice(index, where(ended | coasting, pmf, 0.0), mis_pmf, to_float(prim))
 
     return from_the_root
 
@@ -257,13 +259,13 @@ def choose_by_tree(scene, p, n, u, u2, active):
     hashed = (float_bits(u2[0]) * 0x9E3779B1) ^ (float_bits(u2[1]) * 0x85EBCA77)
     extra = unit_float((hashed ^ (hashed >> 15)) * 0x2C1B3C6D)
     aside = active & (u < outer)
-    index, pmf, plain, rest = lanes_u32(0), lanes(0.0), lanes(0.0), lanes(0.0)
+    index, pmf, mis_pmf, rest = lanes_u32(0), lanes(0.0), lanes(0.0), lanes(0.0)
     if any_lane(aside):
         scaled = minimum(u / maximum(outer, UNIT), ONE_MINUS_EPSILON)
         found, share, left = sample_discrete(cdf, OUTER_CDF, as_int(cdf[ROWS]), scaled)
         index, rest = where(aside, found, index), where(aside, left, rest)
         pmf = where(aside, share * outer, pmf)
-        plain = pmf
+        mis_pmf = pmf
     local = active & ~aside
     if any_lane(local):
         inner = 1.0 - outer
@@ -273,18 +275,18 @@ def choose_by_tree(scene, p, n, u, u2, active):
         leaf = choose_leaf(scene, p, n, minimum(scaled, ONE_MINUS_EPSILON), extra, local)
         index = where(local, leaf.index, index)
         pmf = where(local, leaf.pmf * inner, pmf)
-        plain = where(local, leaf.plain * inner, plain)
+        mis_pmf = where(local, leaf.unoriented * inner, mis_pmf)
         rest = where(local, leaf.rest, rest)
-    return Choice(index, pmf, plain, rest)
+    return Choice(index, pmf, mis_pmf, rest)
 
 
 @kernel
-def plain_probability(scene, index, prim, p, active):
-    """`Choice.plain` of a light that was found otherwise: a triangle of it, seen from p."""
+def mis_probability(scene, index, prim, p, active):
+    """`Choice.mis_pmf` of a light that was found otherwise: a triangle of it, seen from p."""
     cdf = scene.lights.cdf
     entry = where(active, gather(scene.lights.info, index * INFO + 3) + 2 * prim, 0)
     way, leaf = bits(cdf, entry), where(active, bits(cdf, entry + 1), 0)
-    k, onward, plain = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes(1.0)
+    k, onward, mis_pmf = lanes_u32(first_node(cdf)), lanes_u32(LEAF), lanes(1.0)
     none, everywhere = p * 0.0, lanes_mask(True)
     coasting = active & is_far(cdf, p)
     walking = active & ~coasting
@@ -293,14 +295,15 @@ def plain_probability(scene, index, prim, p, active):
         top, i = as_int(cdf[START]), lanes_u32(0)
         while top < first_node(cdf):
             a = group_importance(bounds_of_row(cdf, top), p, none, everywhere, 0.0)
-            total, mine = total + a.plain, (way & (TOP - 1)) == i
-            plain, apart = where(walking & mine, a.plain, plain), where(mine, a.apart, apart)
+            total, mine = total + a.unoriented, (way & (TOP - 1)) == i
+            mis_pmf = where(walking & mine, a.unoriented, mis_pmf)
+            apart = where(mine, a.apart, apart)
             onward = where(mine, float_bits(lanes(cdf[top + TOP_NEXT])), onward)
             top += TOP_ROW
             i += 1
-        plain = where(walking, plain / where(total > 0.0, total, 1.0), plain)
+        mis_pmf = where(walking, mis_pmf / where(total > 0.0, total, 1.0), mis_pmf)
         way = way >> TOP_BITS
-        walking = walking & (onward < LEAF) & (plain > 0.0)
+        walking = walking & (onward < LEAF) & (mis_pmf > 0.0)
         k = where(walking, onward, k)
         coasting = coasting | (walking & apart)
         walking = walking & ~apart
@@ -308,13 +311,13 @@ def plain_probability(scene, index, prim, p, active):
         a = group_importance(bounds_at(cdf, k), p, none, everywhere, 0.0)
         b = group_importance(bounds_at(cdf, k + CHILD), p, none, everywhere, 0.0)
         second = (way & 1) != 0
-        total = a.plain + b.plain
-        share = where(second, b.plain, a.plain) / where(total > 0.0, total, 1.0)
-        plain = where(walking, plain * share, plain)
+        total = a.unoriented + b.unoriented
+        share = where(second, b.unoriented, a.unoriented) / where(total > 0.0, total, 1.0)
+        mis_pmf = where(walking, mis_pmf * share, mis_pmf)
         way = where(walking, way >> 1, way)
         chosen = where(second, k + CHILD, k)
         onward = float_bits(gather(cdf, chosen + NEXT))
-        walking = walking & (onward < LEAF) & (plain > 0.0)
+        walking = walking & (onward < LEAF) & (mis_pmf > 0.0)
         apart = walking & where(second, b.apart, a.apart)
         k = where(walking, onward, k)
         coasting = coasting | apart
@@ -323,5 +326,5 @@ def plain_probability(scene, index, prim, p, active):
         leaves, group = bits(cdf, LEAVES), k + FIRST_LEAF
         size = bits(cdf, leaves + bits(cdf, group + 1)) - bits(cdf, leaves + bits(cdf, group))
         mine = bits(cdf, leaves + leaf + 1) - bits(cdf, leaves + leaf)
-        plain = where(coasting, plain * (to_float(mine) / to_float(size)), plain)
-    return plain * (1.0 - cdf[OUTER])
+        mis_pmf = where(coasting, mis_pmf * (to_float(mine) / to_float(size)), mis_pmf)
+    return mis_pmf * (1.0 - cdf[OUTER])

@@ -18,7 +18,7 @@ from alight.formats.gltf.materials import TEXTURE_KEYS
 from alight.formats.gltf.nodes import punctual
 from alight.formats.gltf.scene import parse
 from alight.formats.gltf.values import Item
-from alight.formats.report import Report
+from alight.formats.reading.report import Report
 from alight.scene.build import Builder
 from tests.formats.gltf.maker import Maker
 

@@ -5,8 +5,8 @@ import pytest
 
 from alight.formats.gltf.accessors import read_accessor
 from alight.formats.gltf.container import open_document
-from alight.formats.reach import Reach
-from alight.formats.report import Report
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
 from alight.scene import flatten
 from tests.formats.bare import load, nodes_of
 from tests.formats.gltf.maker import POINTS, Maker

@@ -5,7 +5,7 @@ import pytest
 import alight
 from alight.core.errors import SceneError
 from alight.formats.gltf.scene import parse
-from alight.formats.shown import Shown
+from alight.formats.reading.shown import Shown
 from tests.formats.gltf.maker import Maker
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import SceneError
-from alight.formats.surfaces import BRIGHTEST
+from alight.formats.materials.surfaces import BRIGHTEST
 from tests.formats.gltf.maker import POINTS, Maker
 from tests.formats.gltf.reading import core, material_of, parsed
 

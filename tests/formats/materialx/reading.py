@@ -6,7 +6,7 @@ from PIL import Image
 from alight.core.errors import SceneError
 from alight.formats.materialx.baking import _bitmaps, _evaluated, _image, _key
 from alight.formats.materialx.scene import parse
-from alight.formats.reach import Reach
+from alight.formats.reading.reach import Reach
 from alight.scene.files import Files
 from tests.formats.gltf.reading import core as core
 

@@ -19,8 +19,8 @@ from alight.formats.materialx.pointwise import LUMA, POINTWISE, folded
 from alight.formats.materialx.rules import RULES
 from alight.formats.materialx.scene import DocumentHost
 from alight.formats.materialx.values import Plain, Varying, is_positive, limited, parts_of, positive
-from alight.formats.reach import Reach
-from alight.formats.report import Report
+from alight.formats.reading.reach import Reach
+from alight.formats.reading.report import Report
 from alight.laws.textures import values_at
 from alight.scene.build import Builder
 from tests.formats.materialx.reading import TEXELS, document, link, node, picture, value

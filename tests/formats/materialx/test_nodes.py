@@ -362,7 +362,7 @@ def test_unknown_nodes_and_missing_pictures(tmp_path):
 
 def test_each_material_is_a_ball_and_one_can_be_chosen(tmp_path):
     from alight.formats import load
-    from alight.formats.made_up import without_floor
+    from alight.formats.scenes.made_up import without_floor
 
     both = [
         node("standard_surface", f"S{n}", "surfaceshader", value("metalness", "float", n))

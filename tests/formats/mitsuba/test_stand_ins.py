@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from alight.bsdfs.hair import Hair
+from alight.bsdfs.fibres.hair import Hair
 from tests.formats.mitsuba.reading import issues, messages, node, read, read_bsdf
 
 PICTURE = '<string name="filename" value="letters.png"/>'

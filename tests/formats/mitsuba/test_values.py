@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from alight.bsdfs.bump_map import BumpMap
-from alight.bsdfs.diffuse import Diffuse
-from alight.bsdfs.principled import Principled
+from alight.bsdfs.adapters.bump_map import BumpMap
+from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.laws.materials import Material
 from alight.textures.bitmap import Bitmap
 from tests.formats.mitsuba import values

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from alight.bsdfs.hair import Hair
-from alight.formats.substances import SUBSTANCES, diffuse_reflectance
+from alight.bsdfs.fibres.hair import Hair
+from alight.formats.materials.substances import SUBSTANCES, diffuse_reflectance
 from tests.formats.pbrt.reading import messages, node, read, read_bsdf, read_old
 
 PICTURE = '"string filename" "letters.png"'
@@ -250,7 +250,7 @@ def test_colored_grids_keep_their_albedos():
 
 
 def test_illuminants_have_their_chromaticities():
-    from alight.formats.spectra import TO_SRGB
+    from alight.formats.materials.spectra import TO_SRGB
 
     for name, x, y in (("stdillum-F4", 0.4402, 0.4031), ("stdillum-A", 0.44758, 0.40745)):
         light = node(read(f'LightSource "point" "spectrum I" "{name}"')).light

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from alight.formats.bounds import Bounds
-from alight.formats.heights import Heights, Lifting
-from alight.formats.report import Report
+from alight.formats.geometry.bounds import Bounds
+from alight.formats.geometry.displacement import Heights, Lifting
+from alight.formats.reading.report import Report
 from alight.scene.flatten import flatten
 from alight.shapes.mesh import Mesh
 from tests.formats.bare import load

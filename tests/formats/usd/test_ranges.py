@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from alight.bsdfs.diffuse import Diffuse
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.laws.materials import Material, direction
 from alight.scene.flatten import flatten
 from tests.formats.usd.stage import MATERIAL, SQUARE, usd_loader

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from alight.bsdfs.null import Null
+from alight.bsdfs.dielectrics.null import Null
 from alight.lab.random_scenes import fogs, lamps
 from alight.lab.random_scenes.draft import Draft
 from alight.scene.transform import scale, translate

@@ -1,0 +1,1 @@
+"""Materials made of other materials: blends, masks, both sides, normals from pictures."""

@@ -1,0 +1,1 @@
+"""Metals, smooth, rough and under a clear coat."""

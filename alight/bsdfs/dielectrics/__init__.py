@@ -1,0 +1,1 @@
+"""Boundaries of clear bodies: glass, water, panes; their indices and dispersion."""

@@ -1,0 +1,1 @@
+"""What lies below a surface: absorption, subsurface scattering, and which body it is."""

@@ -1,0 +1,1 @@
+"""Diffuse surfaces: light that is scattered widely, without a highlight."""

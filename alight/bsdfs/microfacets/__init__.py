@@ -1,0 +1,1 @@
+"""What rough surfaces share: distributions of facets, and how much light they reflect."""

@@ -1,0 +1,1 @@
+"""A diffuse base with a highlight: clear coats over it, and Phong's lobe."""

@@ -1,0 +1,1 @@
+"""Bounds, displacement and skinning of meshes, whatever file they come from."""

@@ -1,0 +1,1 @@
+"""How files describe surfaces, textures, colours and substances, and what ours are then."""

@@ -1,0 +1,1 @@
+"""What readers of all formats share: which files they may read, places, reports."""

@@ -1,0 +1,1 @@
+"""What readers give back: cameras and lights of files, and those that stand in for missing ones."""
