@@ -38,7 +38,7 @@ N = 256
 
 def vec3(rows):
     """Rows (n, 3) as a vector of lanes."""
-    return Vec3(*np.float32(np.asarray(rows).T))
+    return Vec3(*np.asarray(rows, np.float32).T)
 
 
 def rows_of(v, n=N):
@@ -75,7 +75,7 @@ def test_an_update_has_the_step_lead_where_it_led_and_changes_nothing_across():
     rng = np.random.default_rng(2)
     maps, _, walker = walkers(rng, 1.0, 1.0)
     step, miss = rng.normal(size=(N, 2)), rng.normal(size=(N, 3))
-    by = instantiate(updated, compiled=False)(walker, *np.float32(step.T), vec3(miss))
+    by = instantiate(updated, compiled=False)(walker, *step.astype(np.float32).T, vec3(miss))
     new = np.stack([rows_of(column) for column in by], axis=-1)
     led = np.einsum("nij,nj->ni", new, step)
     np.testing.assert_allclose(led, miss - rows_of(walker.miss), atol=1e-4)

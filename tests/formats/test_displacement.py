@@ -75,6 +75,10 @@ def test_pieces_of_a_triangle_by_its_area_and_its_longest_side():
     np.testing.assert_allclose(_pieces(corners, 6.0), 6.0 / (0.2 * 36.0) + 1.0)
 
 
+#: Of the triangles of `square`.
+CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 0, 0], [1, 1, 0], [0, 1, 0]]], float)
+
+
 def square(side=1.0):
     """A square in z = 0 of two triangles."""
     points = side * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
@@ -109,12 +113,12 @@ def test_meshes_are_cut_until_memory_holds_no_more():
         if made.displacement is None:
             break
         edges.append(made.displacement_edge)
-    one = _pieces(square().vertices[square().faces].astype(float), edges[0])
+    one = _pieces(CORNERS, edges[0])
     assert one <= MOST_OF_MESH
     # All have the same edge, a part of the diagonal or as much longer as is needed.
     assert len(set(edges)) == 1
     steps = np.log(edges[0] / (np.sqrt(2.0) / 256)) / np.log(1.25)
     assert abs(steps - round(steps)) < 1e-9
-    finer = _pieces(square().vertices[square().faces].astype(float), edges[0] / 1.25)
+    finer = _pieces(CORNERS, edges[0] / 1.25)
     assert round(steps) == 0 or finer > MOST_OF_MESH
     assert len(edges) == MOST_OF_ALL // one

@@ -88,8 +88,10 @@ def test_each_light_that_can_be_aimed_at_has_its_middle_and_its_size(around):
     assert instantiate(far_light, scene.program, compiled=False)(scene.tables) == met[-1]
     # Its edge, from either side; and what lies opposite.
     angle = np.radians([0.0, 0.24, 0.26, 180.0])
-    turn = np.float32([0.6, 0.8])
-    d = Vec3(*np.float32([np.sin(angle) * turn[0], np.cos(angle), np.sin(angle) * turn[1]]))
+    turn = np.array([0.6, 0.8], np.float32)
+    d = Vec3(
+        *np.array([np.sin(angle) * turn[0], np.cos(angle), np.sin(angle) * turn[1]], np.float32)
+    )
     leads = instantiate(leads_to_disk, scene.program, compiled=False)(scene.tables, d)
     assert leads.tolist() == [True, True, False, False]
 
@@ -164,7 +166,7 @@ def test_a_light_without_a_size_is_a_disk_of_its_irradiance(name):
     scene = compiled(SCENE % "")
     middle, irradiance = DELTA[name]
     row, n = row_of(scene, middle), 6
-    o = np.float32([[0.5, 2.0, -1.0]] * n)
+    o = np.array([[0.5, 2.0, -1.0]] * n, np.float32)
     aim, end, radius, way = (
         np.errstate(all="ignore")(instantiate(text, scene.program, compiled=False))
         for text in (target_at, end_at_point, radius_at, way_to)
@@ -190,7 +192,7 @@ def test_a_light_without_a_size_is_a_disk_of_its_irradiance(name):
     t = np.full(n, np.inf, np.float32)
     t[4] = 2.0
     last = np.arange(n) != 5
-    ends, found = end(scene.tables, target, start, Vec3(*np.float32(d.T)), t, last)
+    ends, found = end(scene.tables, target, start, Vec3(*d.astype(np.float32).T), t, last)
     lit = np.array([True, True, False, False, False, False])
     radiance = irradiance(distance[0]) / (np.pi * (SHINING * FINE) ** 2)
     np.testing.assert_allclose(vectors(found, n)[:, 1], np.where(lit, radiance, 0.0), rtol=1e-4)
@@ -206,5 +208,5 @@ def test_a_lamp_with_a_shape_has_one_radius_from_everywhere():
         scene.tables, row_of(scene, [1.0, 2.0, 3.0])
     )
     radius = instantiate(radius_at, scene.program, compiled=False)
-    for distance in np.float32([0.7, 1.0, 30.0]):
+    for distance in np.array([0.7, 1.0, 30.0], np.float32):
         np.testing.assert_allclose(radius(target, distance), 0.5, rtol=1e-4)

@@ -17,7 +17,7 @@ N = 1 << 16
 def by_cosine(numbers):
     """Directions of the upper half with the density cos / pi."""
     r, phi = np.sqrt(numbers[0]), 2.0 * np.pi * numbers[1]
-    return np.float32([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - numbers[0])])
+    return np.array([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - numbers[0])], np.float32)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.4, 1.0])
@@ -28,6 +28,8 @@ def test_the_albedo_is_the_mean_of_the_lobe(roughness):
     wo, wi = (by_cosine(rng.random((2, N))) for _ in range(2))
     f_cos, _ = material.evaluate(wo, wi)
     reflected = (f_cos / wi[2] * np.pi).mean(axis=1)
-    params = SimpleNamespace(reflectance=Vec3(*np.float32(colour)), roughness=np.float32(roughness))
+    params = SimpleNamespace(
+        reflectance=Vec3(*np.array(colour, np.float32)), roughness=np.float32(roughness)
+    )
     told = instantiate(albedo, compiled=False)(params)
     np.testing.assert_allclose([told.x, told.y, told.z], reflected, rtol=0.01)
