@@ -113,6 +113,15 @@ def _is_taken(trial, search, result):
 
 
 @kernel
+def _is_kept(accept, drawn, most):
+    """Mask: a direction counts, of all that are drawn with a density as if `most` was the largest.
+
+    accept: uniform in [0, 1); drawn: the density with which it was.
+    """
+    return accept * drawn < minimum(drawn, most)
+
+
+@kernel
 def _going_on(number):
     """With which probability search `number` is made."""
     ratio = LONG / maximum(to_float(number), LONG)
@@ -189,7 +198,7 @@ def write_add_caustics(listeners, guided=False):
                     most = SLACK * density
                     _, drawn = place_near(result.first, w)
                     accept, _ = step_numbers(stream, first + (PAIRS - 1))
-                    lit = looking & holds & (accept * drawn < minimum(drawn, most))
+                    lit = looking & holds & _is_kept(accept, drawn, most)
                     lit = lit & (max_component(result.found) > 0.0)
                     lit = lit & ~enters_body(scene, surface, w)
                     if any_lane(lit):
