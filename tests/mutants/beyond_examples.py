@@ -72,7 +72,7 @@ BEYOND_EXAMPLES = (
     Mutant(
         "a pass of an animation as long as one row",
         "rendering/animation.py",
-        (("* PASS_SECONDS / (width * height)", "* PASS_SECONDS / width"),),
+        (("* seconds / (width * height)", "* seconds / width"),),
         f"{ANIMATION}::test_frames_after_the_first_have_passes_as_long_as_they_should_be",
     ),
     Mutant(
