@@ -31,9 +31,11 @@ from lanewise.simd import (
 )
 
 #: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
-#: part of it, disperses light; its coat has normals of its own; it is seen from the front only, or
-#: from the back only; and from bit `NORMALS` on, the row of its normal or bump map + 1.
-TWO_SIDED, MIXED, SPREADS, COATED_APART, FRONT_ONLY, BACK_ONLY, NORMALS = 1, 2, 4, 8, 16, 32, 6
+#: part of it, disperses light; its coat has normals of its own; some of it is a mirror or clear
+#: glass; light passes some of it as if nothing was there; it is seen from the front only, or from
+#: the back only; and from bit `NORMALS` on, the row of its normal or bump map + 1.
+TWO_SIDED, MIXED, SPREADS, COATED_APART, SPECULAR, OPEN = 1, 2, 4, 8, 16, 32
+FRONT_ONLY, BACK_ONLY, NORMALS = 64, 128, 8
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
 #: What programs call it that there are models that are seen from one side only.
@@ -47,7 +49,7 @@ def _kind(scene, row):
 
 @kernel
 def material_flags(scene, row):
-    """Bits `TWO_SIDED` to `BACK_ONLY` of a material, and its relief."""
+    """Bits `TWO_SIDED` to `BACK_ONLY` of a material, and the row of its map."""
     return gather(scene.materials.info, 2 * row + 1)
 
 

@@ -21,14 +21,17 @@ from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
+from alight.bsdfs.specular import is_specular
 from alight.bsdfs.switch import (
     BACK_ONLY,
     COATED_APART,
     FRONT_ONLY,
     MIXED,
     NORMALS,
+    OPEN,
     OTHER_BACK,
     SAME_BACK,
+    SPECULAR,
     SPREADS,
     TWO_SIDED,
 )
@@ -120,7 +123,9 @@ class _Rows:
         """Make the row that a shape refers to; returns the models of the material."""
         found = list(leaves(spec))
         if len(found) > 1:
-            self.put(_weighing(spec), MIXED | SPREADS * any(map(_spreads, found)))
+            kinds = MIXED | SPREADS * any(map(_spreads, found))
+            lobes = SPECULAR * any(map(_mirrors, found)) | OPEN * any(map(_is_open, found))
+            self.put(_weighing(spec), kinds | lobes)
             self.used.add(DELTA_AND_SMOOTH)
         else:
             self.put(found[0].bsdf, self.flags(found[0]))
@@ -136,6 +141,7 @@ class _Rows:
         if leaf.side:
             self.used.add(OTHER_BACK)
             flags |= FRONT_ONLY if leaf.side == "front" else BACK_ONLY
+        flags |= SPECULAR * _mirrors(leaf) | OPEN * _is_open(leaf)
         if leaf.normals is not None:
             self.used |= set(BSDFS[leaf.normals.type_name()].features(leaf.normals))
             flags |= (self.normals[leaf.normals] + 1) << NORMALS
@@ -179,6 +185,16 @@ class _Rows:
 def _spreads(leaf: Leaf) -> bool:
     """Whether a model disperses light."""
     return DISPERSIVE in BSDFS[leaf.bsdf.type_name()].features(leaf.bsdf)
+
+
+def _mirrors(leaf: Leaf) -> bool:
+    """Whether a model is a mirror or clear glass, or has such a lobe."""
+    return is_specular(leaf.bsdf)
+
+
+def _is_open(leaf: Leaf) -> bool:
+    """Whether light passes a model as if nothing was there."""
+    return BSDFS[leaf.bsdf.type_name()].spec.unseen
 
 
 def _weighing(spec: Bsdf) -> Bsdf:

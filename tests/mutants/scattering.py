@@ -59,8 +59,8 @@ SCATTERING = (
         "bsdfs/dispatch.py",
         (
             (
-                "row_new, share_new = _layer_seen(scene, surface, wo, i, more)",
-                "row_new, share_new = _layer(scene, surface, i, more)",
+                "row_new, share_new = layer_seen(scene, surface, wo, i, more)",
+                "row_new, share_new = layer_of(scene, surface, i, more)",
             ),
         ),
         TWO_SIDES,

@@ -192,7 +192,7 @@ def judge_means(
     to a light.
     """
     estimate = estimate_relmse(means, counts)
-    if math.isnan(estimate.figure.value):
+    if math.isnan(estimate.relmse.high):
         return Judgement(
             achieved=math.nan,
             share=math.nan,
