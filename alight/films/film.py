@@ -80,6 +80,10 @@ class Film:
         No channel of a sample can be larger; None where that is not known.
     by_chance : bool
         Whether no path was led to a light: what no sample has met says nothing of itself then.
+    behind_glass : ndarray, shape (n, 6), or None
+        Light that only chance finds, behind clear glass, as a pilot saw it. A row is what a point of
+        the picture sees in one direction: numbers of the point and of its 8x8 pixels of the window,
+        radiance that it adds to the picture (RGB), and the probability of a sample to find it.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
@@ -131,6 +135,7 @@ class Film:
         self.recorded: tuple[Bias, ...] = ()
         self.largest_sample: float | None = None
         self.shares_paths = self.by_chance = False
+        self.behind_glass: np.ndarray | None = None
         self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
         self.lock = threading.RLock()
@@ -205,6 +210,7 @@ class Film:
         )  # fmt: skip
         film.recorded, film.largest_sample = self.recorded, self.largest_sample
         film.shares_paths, film.by_chance = self.shares_paths, self.by_chance
+        film.behind_glass = self.behind_glass
         return film
 
     def snapshot(self) -> Film:

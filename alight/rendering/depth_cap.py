@@ -28,6 +28,7 @@ from alight.films.fixed_point import to_float
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
 from alight.integrators.walk import UNLIMITED
+from alight.rendering.light_behind_glass import POINTS
 from alight.rendering.tiles.tile import Scratch, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
 
@@ -113,9 +114,21 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
     residual = found @ slope - radiance * pixels
     spread = float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1)
     error = math.sqrt(spread) / float(pixels.sum())
-    if job.scene.integrator.finds_light_by_chance:
+    if _finds_by_chance(job):
         error = math.hypot(error, _RULE_OF_THREE * brightest / (spp * float(pixels.sum())))
-    return Lost(float(radiance), error)
+    return Lost(float(radiance), math.hypot(error, _unmet(job, spp * float(pixels.sum()))))
+
+
+def _finds_by_chance(job: Job) -> bool:
+    return job.scene.integrator.finds_light_by_chance or job.behind_glass is not None
+
+
+def _unmet(job: Job, samples: float) -> float:
+    """Light behind glass that so many samples are not expected to have met, mean radiance."""
+    if job.behind_glass is None:
+        return 0.0
+    light, found = job.behind_glass[:, 2:5], samples * job.behind_glass[:, 5]
+    return float((light.mean(axis=1) * np.exp(-found)).sum()) / POINTS
 
 
 def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
@@ -133,7 +146,7 @@ def _some_cells(job: Job, seed: int) -> list[Tile]:
     film = job.rounds[0]
     x, y, w, h = film.crop
     samples = min(max(w * h // _PIXELS, _LEAST), _MOST)
-    if job.scene.integrator.finds_light_by_chance:
+    if _finds_by_chance(job):
         samples *= _BY_CHANCE
     rows, columns = cells_of(*film.crop)
     down, across = rows.stop - rows.start, columns.stop - columns.start
