@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from alight.films import Film
 from alight.lab.arms import seed_of
 from alight.lab.study import StudyError
+from alight.metrics.error_estimate import LEAST_FOR_INTERVAL
 from alight.rendering import render
 
 if TYPE_CHECKING:
@@ -66,8 +67,11 @@ def make_reference(
     StudyError
         If the error cannot be known, or would need more than 2^20 samples per pixel.
     """
-    if scene.film.replicates < 2:
-        raise StudyError("a reference needs film.replicates of at least 2, to know its own error")
+    if scene.film.replicates < LEAST_FOR_INTERVAL:
+        raise StudyError(
+            f"a reference needs film.replicates of at least {LEAST_FOR_INTERVAL}, to know its own "
+            f"error, got {scene.film.replicates}"
+        )
 
     def run(role: str, spp: int, first: int = 0) -> Film:
         return render(

@@ -12,6 +12,9 @@ from alight.metrics.statistics import f_quantile
 
 _NORMAL = NormalDist()
 
+#: Replicates that an interval takes: two halves, each with a spread of its own.
+LEAST_FOR_INTERVAL = 4
+
 
 class Figure(NamedTuple):
     """An estimated relMSE and how sure it is.
@@ -21,7 +24,7 @@ class Figure(NamedTuple):
     value : float
     freedom : float
         Were the brightness known, the true relMSE over `value` had the distribution
-        F(freedom, (R - 1) freedom).
+        F(freedom, (R - 1) freedom). NaN if unknown.
     replicates : int
     brightness : float, default 0
         Variance of log(relMSE) that comes from the brightness of noisy pixels.
@@ -41,9 +44,11 @@ class Figure(NamedTuple):
     rise: float = 0.0
 
     def quantile(self, p: float) -> float:
-        """Find the relMSE below which the true one lies with probability p."""
-        if math.isnan(self.value) or self.value == 0.0:
-            return self.value
+        """Find the relMSE below which the true one lies with probability p; NaN if unknown."""
+        if math.isnan(self.value) or self.replicates < LEAST_FOR_INTERVAL:
+            return math.nan
+        if self.value == 0.0:
+            return 0.0
         errors = f_quantile(p, self.freedom, (self.replicates - 1) * self.freedom)
         upper = p >= 0.5
         brightness = self.brightness + (self.rise if upper else 0.0)

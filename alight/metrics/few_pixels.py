@@ -19,11 +19,11 @@ class FewPixels:
     Parameters
     ----------
     replicates, size : int
-        Of the picture, and of each half.
+        Of the picture, at least 4, and of each half, at least 2.
     """
 
     def __init__(self, replicates: int, size: int) -> None:
-        self._freedom, half = max(replicates - 1, 1), max(size - 1, 1)
+        self._freedom, half = replicates - 1, size - 1
         # Of the product of two halves' squared errors, over its mean: 8 for R = 4.
         self._variance = (1.0 + 2.0 / half) ** 2 - 1.0
         self._sum = self._squares = self._fourth_powers = 0.0
@@ -34,14 +34,13 @@ class FewPixels:
         whole, n = trace * trace, self._freedom
         # tr(Sigma^2) by normal noise (Wishart's distribution), which three channels share at best.
         least = whole / np.float32(3.0 + 2.0 / n)
-        if n > 1:
-            square = whole * np.float32(-1.0 / n)
-            for c in range(3):
-                square += covariances[c, c] ** 2
-                for d in range(c):
-                    square += np.float32(2.0) * covariances[c, d] ** 2
-            square *= np.float32(n * n / ((n + 2.0) * (n - 1.0)))
-            np.maximum(least, square, out=least)
+        square = whole * np.float32(-1.0 / n)
+        for c in range(3):
+            square += covariances[c, c] ** 2
+            for d in range(c):
+                square += np.float32(2.0) * covariances[c, d] ** 2
+        square *= np.float32(n * n / ((n + 2.0) * (n - 1.0)))
+        np.maximum(least, square, out=least)
         self.add_sums(
             float(trace.sum(dtype=np.float64)),
             float(least.sum(dtype=np.float64)),

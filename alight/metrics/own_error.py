@@ -25,7 +25,7 @@ import numpy as np
 
 from alight.metrics import noisy_pixels
 from alight.metrics.epsilon import LITERATURE_EPSILON
-from alight.metrics.error_estimate import ErrorEstimate, Figure
+from alight.metrics.error_estimate import LEAST_FOR_INTERVAL, ErrorEstimate, Figure
 from alight.metrics.few_pixels import FewPixels
 from alight.metrics.large_pictures import ROWS, Loops
 from alight.metrics.planes import weighted
@@ -37,6 +37,9 @@ from lanewise.simd import WIDEST
 
 #: Normal quantile of the confidence that `unmet_light` has, 97.5 %.
 _Z = 1.96
+
+#: Least relMSE whose parts can be squared: the literature's is smaller in very dark pictures.
+_FAINTEST = 1e-15
 
 #: Above this number of pixels, one way to halve the replicates is enough, and machine code is worth
 #: loading.
@@ -59,8 +62,9 @@ def estimate_relmse(
 
     Notes
     -----
-    With fewer than 4 replicates the error and the brightness have to come from the same ones, and
-    the estimate is less sure than it says. Light that no sample has found yet is in no estimate.
+    With fewer than 4 replicates the error and the brightness have to come from the same ones:
+    bright samples excuse themselves, the estimate is too low, and there is no interval. Light that
+    no sample has found yet is in no estimate.
     """
     return relmse_of(survey(means, counts), literature)
 
@@ -81,7 +85,7 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     halvings = list(_halvings(replicates))
     if large:
         del halvings[1:]
-    by_machine = large and replicates >= 4 and not seen.shares_paths
+    by_machine = large and replicates >= LEAST_FOR_INTERVAL and not seen.shares_paths
     by_machine = by_machine and seen.known.shape[1] >= WIDEST
     sums = Loops(seen, epsilon) if by_machine else _Sums(seen, epsilon, halvings)
     classes, precise, logs, pixels = sums.learn()
@@ -91,18 +95,18 @@ def _figure(seen: Survey, epsilon: float) -> Figure:
     believed = noisy_pixels.believe(classes, 3 * len(halvings), size, size, replicates, unlike)
     # Both halves of each way are estimates of the same.
     value = (precise + believed.value) / (2 * len(halvings))
+    relmse = value / (3.0 * float(seen.known.sum()))
     if value <= 0.0:
         return Figure(0.0, math.inf, replicates)
+    if replicates < LEAST_FOR_INTERVAL:
+        return Figure(relmse, math.nan, replicates)
     few = FewPixels(replicates, size)
     spread = sums.multiply(believed.weights, few)
-    if replicates < 4:
-        # Both halves are the same: E[s^4] = sigma^4 (R + 1) / (R - 1) for normal noise.
-        spread *= (replicates - 1) / (replicates + 1)
     spread = few.at_least(spread, value)
     total = precise + believed.value
     share, lowest = (believed.value / total) ** 2, (precise + believed.lowest) / total
-    freedom = few.freedom(value, spread)
-    relmse = value / (3.0 * float(seen.known.sum()))
+    # Smaller squared errors have products that are no float32: then one pixel may carry them all.
+    freedom = few.freedom(value, spread) if relmse > _FAINTEST else 1.0
     unmet = math.log1p(unmet_light(seen, epsilon) / relmse) / _Z
     return Figure(
         relmse,
@@ -142,9 +146,7 @@ class _Sums:
         """Find the sum of sigma^4 by products of halves, given the weights of classes."""
         seen, known, spread, kept = self._seen, self._seen.known, 0.0, iter(self._weights)
         ways = len(self._halvings)
-        shared = None
-        if seen.shares_paths and seen.replicates >= 4:
-            shared = SharedPaths(seen.replicates)
+        shared = SharedPaths(seen.replicates) if seen.shares_paths else None
         for rows, m, k in seen.bands():
             # Worked out twice: kept, the halves of a large picture would take as much memory as
             # a film.
@@ -276,7 +278,7 @@ def _halvings(replicates: int) -> Iterator[tuple[list[int], list[int]]]:
     estimate is then 9/8 of that of all, which is not worth the time in a large picture.
     """
     everything = list(range(replicates))
-    if replicates < 4:
+    if replicates < LEAST_FOR_INTERVAL:
         yield everything, everything
         return
     size = replicates // 2

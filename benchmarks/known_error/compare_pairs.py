@@ -1,14 +1,15 @@
 """Level and power of `alight compare` on random scenes, every true pair of seeds of its own.
 
 python benchmarks/known_error/compare_pairs.py --seeds 1-99:2 --save FILE [--kinds room,...]
-    [--sides 32,48,64] [--seconds 60]
+    [--sides 32,48,64] [--rounds 1] [--seconds 60]
 python benchmarks/known_error/compare_pairs.py --show FILE
 
-Each scene gives one true pair for each pair of numbers of samples, in one of four scenes with two
-different samplers. The same pair with 2 % more light on one side, and one whose noisier side is
-rendered with albedos that are 1 % lower, are the changed ones. The z-score of a change is that of
-the means of the whole picture, in the channel where it is largest: the difference between all
-pictures of the scene, over the root of the mean squared error of pictures of that many samples.
+In each round a scene gives one true pair for each pair of numbers of samples, in one of four scenes
+with two different samplers; the number of replicates is drawn for each side. The same pair with 2 %
+more light on one side, and one whose noisier side is rendered with albedos that are 1 % lower, are
+the changed ones. The z-score of a change is that of the means of the whole picture, in the channel
+where it is largest: the difference between all pictures of the scene, over the root of the mean
+squared error of the round's pictures of that many samples.
 ``builtin`` among the kinds is one of the package's scenes, by the seed. Lines are added to FILE as
 they come, so that a campaign can be stopped and continued. Constants are chosen on even seeds; odd
 ones give the verdict.
@@ -25,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from resumable import parser_of, run
-from scenes import REPLICATES, Runner
+from scenes import Runner
 from scipy import stats
 
 from alight.core.errors import AlightError
@@ -50,6 +51,9 @@ MIXED = 0.25
 
 LEVEL = 0.01
 
+#: Replicates of a side, but never more than samples.
+REPLICATES = (2, 4, 4, 8, 16)
+
 
 class Picture(NamedTuple):
     """One picture of so many samples, and its channel means with their squared errors."""
@@ -60,12 +64,13 @@ class Picture(NamedTuple):
     square: np.ndarray
 
 
-def picture(runner: Runner, seed: int, spp: int) -> Picture:
+def picture(runner: Runner, seed: int, spp: int, replicates: int) -> Picture:
     """Render with a seed."""
-    means = runner.means(seed, spp)
-    mean, square = means.mean(axis=2), means.var(axis=2, ddof=1) / REPLICATES
+    replicates = min(replicates, spp)
+    means = runner.means(seed, spp, replicates)
+    mean, square = means.mean(axis=2), means.var(axis=2, ddof=1) / replicates
     seen = Measured(
-        mean.astype(np.float32), np.sqrt(square).astype(np.float32), REPLICATES, float(spp)
+        mean.astype(np.float32), np.sqrt(square).astype(np.float32), replicates, float(spp)
     )
     return Picture(seen, spp, mean.mean(axis=(0, 1)), square.mean(axis=(0, 1)) / mean[..., 0].size)
 
@@ -109,7 +114,7 @@ def verdict(a: Picture, b: Picture) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def measure(seed: int, kind: str, side: int, seconds: float) -> dict[str, Any]:
+def measure(seed: int, kind: str, side: int, rounds: int, seconds: float) -> dict[str, Any]:
     """All pairs of one scene."""
     rng = np.random.default_rng([seed, *kind.encode()])
     names = sorted(builtin_names())
@@ -119,40 +124,59 @@ def measure(seed: int, kind: str, side: int, seconds: float) -> dict[str, Any]:
         samplers[1] = samplers[0]
 
     def runner(sampler: str, darker: float = 1.0) -> Runner:
-        return Runner(load_scene(name, (side, side), sampler, REPLICATES, darker))
+        return Runner(load_scene(name, (side, side), sampler, 4, darker))
 
     left = runner(samplers[0])
     left.means(1, 4)
     start = time.process_time()
     if not left.means(2, 16).any():
         raise AlightError("black: there is nothing to compare")
-    cost = (time.process_time() - start) / 16 * sum(2 * few + many for few, many in PAIRS)
+    samples = rounds * sum(2 * few + many for few, many in PAIRS)
+    cost = (time.process_time() - start) / 16 * samples
     if cost > seconds:
         raise AlightError(f"would take {cost:.0f} s")
     right = left if samplers[1] == samplers[0] else runner(samplers[1])
     dark = runner(samplers[0], DARKER)
+    replicates = rng.choice(REPLICATES, size=(rounds, 2)).tolist()
     # Seeds differ between all pictures of a scene.
-    a = [picture(left, 100 + i, few) for i, (few, _) in enumerate(PAIRS)]
-    b = [picture(right, 200 + i, many) for i, (_, many) in enumerate(PAIRS)]
-    darker = [picture(dark, 300 + i, few) for i, (few, _) in enumerate(PAIRS)]
-    mean = overall([*a, *b])
-    loss = overall(darker) - mean
+    made = [
+        (
+            [picture(left, 1000 * n + 100 + i, few, own) for i, (few, _) in enumerate(PAIRS)],
+            [picture(right, 1000 * n + 200 + i, many, other) for i, (_, many) in enumerate(PAIRS)],
+            [picture(dark, 1000 * n + 300 + i, few, own) for i, (few, _) in enumerate(PAIRS)],
+        )
+        for n, (own, other) in enumerate(replicates)
+    ]
+    mean = overall([one for a, b, _ in made for one in (*a, *b)])
+    loss = overall([one for _, _, darker in made for one in darker]) - mean
+    return {
+        "seed": seed, "kind": kind, "side": side, "name": name, "samplers": samplers,
+        "pairs": [pair for one in made for pair in _verdicts(*one, mean, loss)],
+    }  # fmt: skip
+
+
+def _verdicts(
+    a: list[Picture],
+    b: list[Picture],
+    darker: list[Picture],
+    mean: np.ndarray,
+    loss: np.ndarray,
+) -> list[dict[str, Any]]:
+    """What is said of the pairs of one round, and how clear their changes are."""
     pairs = []
     for i, (few, many) in enumerate(PAIRS):
         variance, dark_variance = (noise(side, few) for side in (a, darker))
         other = noise(b, many)
         pairs.append({
             "spp": [few, many],
+            "replicates": [a[i].seen.replicates, b[i].seen.replicates],
             "true": verdict(a[i], b[i]),
             "light": verdict(brighter(a[i]), b[i]),
             "light z": z_of((LIGHT - 1.0) * mean, LIGHT**2 * variance + other),
             "albedo": verdict(darker[i], b[i]),
             "albedo z": z_of(loss, dark_variance + other),
         })  # fmt: skip
-    return {
-        "seed": seed, "kind": kind, "side": side, "name": name, "samplers": samplers,
-        "pairs": pairs,
-    }  # fmt: skip
+    return pairs
 
 
 def show(rows: Iterable[dict[str, Any]]) -> None:
@@ -163,7 +187,9 @@ def show(rows: Iterable[dict[str, Any]]) -> None:
         if not own:
             continue
         print(f"\n{name}: {len(own)} scenes, seeds {own[0]['seed']} to {own[-1]['seed']}\n")
-        for title, key in (("true pairs, spp", _spp), ("kind", _kind), ("samplers", _samplers)):
+        titles = (("true pairs, spp", _spp), ("kind", _kind), ("samplers", _samplers),
+                  ("replicates", _replicates))  # fmt: skip
+        for title, key in titles:
             counts = _count((key(row, pair), pair["true"]) for row in own for pair in row["pairs"])
             _print(title, counts)
         changes = (
@@ -174,7 +200,8 @@ def show(rows: Iterable[dict[str, Any]]) -> None:
         for row in own:
             for pair in row["pairs"]:
                 if pair["true"] and pair["true"]["reasons"]:
-                    print(row["kind"], row["seed"], row["samplers"], pair["spp"], pair["true"])
+                    print(row["kind"], row["seed"], row["samplers"], pair["spp"],
+                          pair["replicates"], pair["true"])  # fmt: skip
 
 
 def _spp(_: dict[str, Any], pair: dict[str, Any]) -> str:
@@ -189,6 +216,10 @@ def _kind(row: dict[str, Any], _: dict[str, Any]) -> str:
 def _samplers(row: dict[str, Any], _: dict[str, Any]) -> str:
     first, second = row["samplers"]
     return f"both {first}" if first == second else "two different ones"
+
+
+def _replicates(_: dict[str, Any], pair: dict[str, Any]) -> str:
+    return "{} and {}".format(*sorted(pair["replicates"]))
 
 
 def _clear(z: float) -> str:
@@ -225,11 +256,12 @@ def _print(title: str, counts: dict[str, list[int]], total: bool = True) -> None
 def main() -> None:
     """Measure, or show what was measured."""
     parser = parser_of(__doc__, (*KINDS, "builtin"))
+    parser.add_argument("--rounds", type=int, default=1, help="pairs for each pair of samples")
     parser.add_argument("--seconds", type=float, default=60.0, help="processor time of a scene")
     options = parser.parse_args()
 
     def measured(seed: int, kind: str, side: int) -> dict[str, Any]:
-        return measure(seed, kind, side, options.seconds)
+        return measure(seed, kind, side, options.rounds, options.seconds)
 
     def said(row: dict[str, Any]) -> str:
         pairs = [pair["true"] for pair in row["pairs"]]

@@ -200,7 +200,13 @@ class Runner:
         self.settings = make_settings(self.scene.integrator, seed=0, replicates=REPLICATES)
         self.scratch, self.tile = Scratch(), Tile(0, 0, *flat.film.size)
 
-    def sums(self, seed: int, first: int | np.ndarray, count: int | np.ndarray) -> np.ndarray:
+    def sums(
+        self,
+        seed: int,
+        first: int | np.ndarray,
+        count: int | np.ndarray,
+        replicates: int = REPLICATES,
+    ) -> np.ndarray:
         """Sums by replicate, shape (h, w, R, 3), of samples first to first + count - 1.
 
         `first` and `count` are numbers, or one for each 8x8 cell.
@@ -208,7 +214,7 @@ class Runner:
         cells = -(-self.tile.y1 // 8), -(-self.tile.x1 // 8)
         ranges = np.zeros((*cells, 2), np.int64)
         ranges[..., 0], ranges[..., 1] = first, count
-        settings = self.settings._replace(seed=seed)
+        settings = self.settings._replace(seed=seed, replicates=replicates)
         partial, _ = render_tile(
             self.kernels, self.scene, settings, self.tile, ranges, self.scratch
         )
@@ -225,6 +231,6 @@ class Runner:
             )[1]
         return found
 
-    def means(self, seed: int, spp: int) -> np.ndarray:
+    def means(self, seed: int, spp: int, replicates: int = REPLICATES) -> np.ndarray:
         """Means of the replicates, float64, shape (h, w, R, 3)."""
-        return self.sums(seed, 0, spp) / (spp / REPLICATES)
+        return self.sums(seed, 0, spp, replicates) / (spp / replicates)

@@ -27,7 +27,7 @@ from tests.cluster import jobs
 
 if __name__ == "__main__":
     with connected("local:1") as client:
-        words = {"size": (40, 24), "spp": 9, "threads": 1, "integrator": "direct"}
+        words = {"size": (40, 24), "spp": 9, "threads": 1, "integrator": "ambient_occlusion"}
         film = alight.render("cornell-box", target="portable", cluster=client, **words)
         told = film.stats["cluster"] | {
             "of_worker": [*client.run(jobs.target_of_process).values()],
@@ -53,7 +53,7 @@ def rendered(tmp_path_factory):
     (folder / "script.py").write_text(PORTABLE)
     told = json.loads(run(folder, "script.py").splitlines()[-1])
     run(folder, "-m", "alight", "render", "cornell-box", "--target", "portable", "--integrator",
-        "direct", "--size", "40x24", "--spp", "6", "--checkpoint", "begun.alight", "-o",
+        "ambient_occlusion", "--size", "40x24", "--spp", "6", "--checkpoint", "begun.alight", "-o",
         "own.alight", "-q")  # fmt: skip
     return folder, told
 

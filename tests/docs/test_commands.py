@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from functools import cache
 
 import pytest
 from typer.testing import CliRunner
@@ -29,6 +30,14 @@ def test_make_words_exist():
     assert not missing
 
 
+@cache
+def _options(*name):
+    """What `--help` shows of a command."""
+    shown = CliRunner().invoke(app, [*name, "--help"], env={"COLUMNS": "200"})
+    assert shown.exit_code == 0, name
+    return re.sub(r"\x1b\[[0-9;]*m", "", shown.output)
+
+
 @pytest.mark.parametrize("line", _commands("alight"))
 def test_alight_commands_and_options_exist(line):
     words = shlex.split(line, comments=True)[1:]
@@ -36,10 +45,9 @@ def test_alight_commands_and_options_exist(line):
         return
     # `alight scene random` is a command of two words.
     name = words[:2] if words[0] in ("scene", "cluster") else words[:1]
-    shown = CliRunner().invoke(app, [*name, "--help"], env={"COLUMNS": "200"})
-    assert shown.exit_code == 0, line
+    shown = _options(*name)
     for option in (word.split("=")[0] for word in words[1:] if word.startswith("-")):
-        assert option in re.sub(r"\x1b\[[0-9;]*m", "", shown.output), line
+        assert option in shown, line
 
 
 def test_readme_first_screen():

@@ -64,7 +64,7 @@ def test_samples_that_are_no_numbers_say_nothing(monkeypatch):
         return log, rays
 
     monkeypatch.setattr(Trainer, "_tile", tile)
-    trainer = Trainer(untrained(compile_scene(flatten(scene_with(LAMP)))), threads=1)
+    trainer = Trainer(untrained(compile_scene(flatten(scene_with(CEILING)))), threads=1)
     # Of a single sample a pixel no variance is known.
     guide = trainer.train(3, TrainingPlan(2))
     assert any(len(log.without.array) for log in told) and np.isfinite(trainer.gain)
@@ -102,9 +102,12 @@ GLOBE = """
   globe: {shape: {type: sphere, radius: 0.15}, bsdf: {type: dielectric}}
   lamp: {shape: {type: sphere, radius: 0.06}, light: {type: area, radiance: 100}}
 """
-#: Light sampling finds all that is bright.
-LAMP = """
-  lamp: {light: {type: point, intensity: 1}}
+#: Light sampling and directions share what is bright, and leave little to a guide.
+CEILING = """
+  ceiling:
+    shape: rectangle
+    transform: [{scale: 0.8}, {rotate: {axis: x, angle: 90}}, {translate: [0, 0.9, -0.3]}]
+    light: {type: area, radiance: 5}
 """
 
 
@@ -119,10 +122,10 @@ def means(film):
 
 def test_a_guide_that_does_not_pay_is_left_out():
     """The scene is that of a path tracer, and so is its program."""
-    scene = scene_with(LAMP, max_depth=4)
+    scene = scene_with(CEILING, max_depth=4)
     free, told = trained(compile_scene(flatten(scene)), seed=3, threads=2)
     assert not told.used and 0.3 < told.gain < LEAST_GAIN and "not used" in told.line
-    alone = compile_scene(flatten(scene_with(LAMP, max_depth=4, guiding="off")))
+    alone = compile_scene(flatten(scene_with(CEILING, max_depth=4, guiding="off")))
     assert free.guide is None
     assert free.program == alone.program
 
@@ -146,15 +149,6 @@ def test_a_guide_that_pays_is_used():
         compile_scene(flatten(scene_with(GLOBE, guiding="on"))), seed=3, threads=1, rounds=6
     )
     assert asked.hash == took.hash and asked.gain == took.gain
-
-
-#: Light sampling and directions share what is bright.
-CEILING = """
-  ceiling:
-    shape: rectangle
-    transform: [{scale: 0.8}, {rotate: {axis: x, angle: 90}}, {translate: [0, 0.9, -0.3]}]
-    light: {type: area, radiance: 5}
-"""
 
 
 #: All light comes from the floor that the lamp shines on: many paths have little to expect.
@@ -226,7 +220,7 @@ def test_a_guide_that_knows_nothing_changes_nothing():
     """Not even roulette: the rays of training's first round are those of a path tracer."""
     found = []
     for guiding in ("off", "on"):
-        scene = compile_scene(flatten(scene_with(LAMP, guiding=guiding)))
+        scene = compile_scene(flatten(scene_with(CEILING, guiding=guiding)))
         scene = untrained(scene) if guiding == "on" else scene
         film = film_for(scene, 1, 1)
         settings = make_settings(scene.integrator, seed=1, replicates=1, guide=scene.guide)

@@ -44,10 +44,18 @@ nodes:
 """  # noqa: E501
 
 
-@pytest.fixture(autouse=True)
-def short_training(monkeypatch):
+@pytest.fixture(scope="module", autouse=True)
+def short_training():
     """Four rounds are enough for laws."""
-    monkeypatch.setattr(main_loop, "trained", partial(trained, rounds=4))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(main_loop, "trained", partial(trained, rounds=4))
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole(short_training):
+    """A guided film of the room."""
+    return alight.render(room(), spp=16, seed=7, threads=2)
 
 
 def proof(*values):
@@ -173,10 +181,9 @@ def test_vertices_of_mirrors_leave_no_records():
     assert report.vertices < 0.05 * report.paths
 
 
-def test_parts_resumed_and_merged_have_the_bits_of_one_render(tmp_path):
-    """32 + 32 samples are 64: the guide of a resumed render is the same again."""
+def test_parts_resumed_and_merged_have_the_bits_of_one_render(whole, tmp_path):
+    """8 + 8 samples are 16: the guide of a resumed render is the same again."""
     scene = room()
-    whole = alight.render(scene, spp=16, seed=7, threads=2)
     path = tmp_path / "half.ckpt"
     alight.render(scene, spp=8, seed=7, threads=1, checkpoint=str(path))
     rest = alight.resume(str(path), scene=scene, spp=16, threads=2)
@@ -186,12 +193,11 @@ def test_parts_resumed_and_merged_have_the_bits_of_one_render(tmp_path):
     assert whole.stats["guide"]["paths"] > 1 << 17
 
 
-def test_films_of_different_guides_are_not_one_film():
+def test_films_of_different_guides_are_not_one_film(whole):
     """Another guide has other samples; merging says what differs."""
-    guided = alight.render(room(), spp=4, seed=7)
     free = alight.render(room(guiding="off"), spp=4, seed=7)
     with pytest.raises(AlightError, match="cannot merge"):
-        alight.Film.merge(guided, free)
+        alight.Film.merge(whole, free)
 
 
 def test_bounds_of_samples_are_not_claimed():

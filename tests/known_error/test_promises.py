@@ -142,7 +142,7 @@ class Pixels:
 
     def __init__(self, means, counts):
         h, w = counts.shape[:2]
-        self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), 4
+        self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), counts.shape[2]
         self.means, self.counts, self.aov_channels = means, counts, {}
         self.largest_sample, self.by_chance = None, False
         self.spp = float(counts.sum(axis=2).mean())
@@ -305,9 +305,24 @@ def test_cycles_stops_cells_that_look_finished():
     assert goal.count[:, 0].tolist() == [96, 112, 96, 80, 80]
 
 
+@pytest.mark.parametrize("replicates", [1, 2, 3])
+def test_no_error_is_promised_without_an_interval(replicates):
+    film = Pixels(np.ones((8, 8, replicates, 3)), np.full((8, 8, replicates), 16))
+    said = ""
+    try:
+        Steered(0, 64, Promise(0.5)).next([film])
+    except OptionError as error:
+        said = str(error)
+    assert said == f"replicates: an error can be promised from 4 replicates on, got {replicates}"
+    judgement = judge_means(film.means, film.counts, Promise(0.5))
+    assert not judgement.met
+    assert math.isnan(judgement.achieved)
+    # Without a promise there is nothing to ask for.
+    assert isinstance(Steered(0, 64, None).next([film]), Goal)
+
+
 def test_cycles_needs_two_halves():
     film = Pixels(np.ones((8, 8, 3, 3)), np.full((8, 8, 3), 20))
-    film.replicates = 3
     with pytest.raises(OptionError, match="even number of replicates, got 3"):
         Cycles(0, 128, 0.01).next([film])
 

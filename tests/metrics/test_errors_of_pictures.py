@@ -145,11 +145,12 @@ def test_every_number_of_replicates_gives_the_same_error(replicates):
     means = 1.0 + rng.normal(0.0, 0.05 * replicates**0.5, (128, 128, replicates, 3))
     estimate = estimate_relmse(means.astype(np.float32), np.full(means.shape[:3], 4))
     truth = relmse(means.mean(axis=2), np.ones((128, 128, 3)))
-    assert estimate.relmse.low <= truth <= estimate.relmse.high
     assert estimate.relmse.value == pytest.approx(truth, rel=0.05)
     if replicates < 4:
-        # Their covariance of channels has no second half to be checked by.
+        # There are no two halves with a spread of their own.
+        assert math.isnan(estimate.relmse.high)
         return
+    assert estimate.relmse.low <= truth <= estimate.relmse.high
     # The channels are independent here, so that there are three terms a pixel.
     spread = math.sqrt(2.0 * replicates / (replicates - 1) / (3 * 128**2))
     width = math.log(estimate.relmse.high / estimate.relmse.low) / 3.92

@@ -30,7 +30,6 @@ def quiet_but_for(pixels, replicates, share, rng):
         (1, 4, "grey"),
         (1, 4, "independent"),
         (2, 4, "red"),
-        (3, 2, "grey"),
         (1, 8, "red"),
     ],
 )
@@ -46,7 +45,7 @@ def test_the_interval_holds_where_few_pixels_carry_the_error(pixels, replicates,
     assert held >= 88
 
 
-@pytest.mark.parametrize("replicates", [2, 4, 8])
+@pytest.mark.parametrize("replicates", [4, 8])
 def test_one_pixel_is_one_term_whatever_its_replicates_are(replicates):
     """Its true error over the estimate has the distribution F(1, R - 1)."""
     rng = np.random.default_rng(replicates)

@@ -57,6 +57,18 @@ KNOWN_ERROR = (
         "tests/metrics/test_shared_paths.py::test_the_spread_is_that_of_the_covariance",
     ),
     Mutant(
+        "an interval from replicates that tell the error and the brightness alike",
+        "metrics/error_estimate.py",
+        (("LEAST_FOR_INTERVAL = 4", "LEAST_FOR_INTERVAL = 3"),),
+        "tests/metrics/test_edges_of_intervals.py::test_the_summary_tells_why_there_is_no_interval",
+    ),
+    Mutant(
+        "a promise that replicates without an interval cannot keep",
+        "rendering/schedules/steering.py",
+        (("self.promise is not None and film.replicates <", "False and film.replicates <"),),
+        f"{PROMISES}::test_no_error_is_promised_without_an_interval",
+    ),
+    Mutant(
         "a clock that ends between two looks says met",
         "rendering/schedules/steering.py",
         (

@@ -275,7 +275,7 @@ def choose_by_tree(scene, p, n, u, u2, active):
         leaf = choose_leaf(scene, p, n, minimum(scaled, ONE_MINUS_EPSILON), extra, local)
         index = where(local, leaf.index, index)
         pmf = where(local, leaf.pmf * inner, pmf)
-        mis_pmf = where(local, leaf.unoriented * inner, mis_pmf)
+        mis_pmf = where(local, leaf.mis_pmf * inner, mis_pmf)
         rest = where(local, leaf.rest, rest)
     return Choice(index, pmf, mis_pmf, rest)
 

@@ -14,6 +14,7 @@ from alight.films import Film
 from alight.films.fixed_point import MAX_SAMPLES
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
+from alight.metrics.error_estimate import LEAST_FOR_INTERVAL
 from alight.rendering.schedules.adaptive import PILOT_SPP, counts_at, shares_of
 from alight.rendering.schedules.schedule import Goal, Schedule, Uniform, Verdict
 from alight.rendering.schedules.stopping import (
@@ -64,6 +65,11 @@ class Steered(Schedule):
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
         """First the pilot, then look after look."""
         film = rounds[0]
+        if self.promise is not None and film.replicates < LEAST_FOR_INTERVAL:
+            raise OptionError(
+                f"an error can be promised from {LEAST_FOR_INTERVAL} replicates on, "
+                f"got {film.replicates}", "replicates",
+            )  # fmt: skip
         if self.adaptive and not self.shares.size:
             if not self.piloted:
                 # What a render before this one has of the pilot is not rendered again.

@@ -194,7 +194,7 @@ def judge_means(
     to a light, `behind` what was seen behind glass.
     """
     estimate = estimate_relmse(means, counts)
-    if math.isnan(estimate.figure.value):
+    if math.isnan(estimate.relmse.high):
         return Judgement(
             achieved=math.nan,
             share=math.nan,

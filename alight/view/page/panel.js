@@ -136,6 +136,7 @@ function showError(state) {
   const [value, low, high] = state.error ?? [null, null, null];
   $("error").textContent = value === null ? "–" : percent(value);
   $("interval").textContent = value === null ? "unknown as yet"
+    : high === null ? "relRMSE or more: an interval takes 4 replicates"
     : `relRMSE, ${state.promised ? "95 % interval " : ""}${percent(low)} to ${percent(high)}`
       + (state.promised ? "" : " (not promised: pixels share paths)");
   const word = state.word && state.asked ? state.word : state.asked ? `asked ${percent(state.asked)}` : "";
