@@ -11,8 +11,9 @@ up a solid angle of about :math:`1 / p_l`. A path is scattered into that with pr
 
 .. math:: q = \min(1, p_b / p_l) ,
 
-and brings :math:`f L |\cos\theta| / (p_l \, P(\text{chosen}))` on average. Among n samples none meets
-it with probability :math:`(1 - q)^n \approx e^{-n q}`: so much of it is to be expected as missing.
+and brings :math:`f L |\cos\theta| / (p_l \, P(\text{chosen}))` on average. Among n samples none
+meets it with probability :math:`(1 - q)^n \approx e^{-n q}`: so much of it is to be expected as
+missing.
 
 Refraction moves light and spreads it, glass mirrors some, and the pilot sees neither, nor what more
 than one matte surface scatters: it tells whether such light matters, not how much of it there is.
@@ -99,7 +100,9 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     rows = np.repeat(seen, DIRECTIONS)
     hit = Hit(*(part[rows] for part in hit))
     found, q = _arriving(scene, clear, hit, _some(o, rows), _some(d, rows), random)
-    column, line = ((a[rows] - start).astype(int) // CELL_SIZE for a, start in zip(at, (x, y)))
+    column, line = (
+        (a[rows] - start).astype(int) // CELL_SIZE for a, start in zip(at, (x, y), strict=True)
+    )
     cells = line * -(-w // CELL_SIZE) + column
     table = np.column_stack([rows, cells, found / DIRECTIONS, q])
     table = table[(found > 0.0).any(axis=1)]

@@ -32,8 +32,8 @@ class Unseen(NamedTuple):
     Attributes
     ----------
     indicator : float
-        If an unseen event is as bright as the largest contribution seen in its cell, with what is to
-        be expected as missing of light behind glass.
+        If an unseen event is as bright as the largest contribution seen in its cell, and with the
+        light behind glass that no sample is expected to have met.
     bound : float
         If it is as bright as a sample can be; NaN where that is not known.
     doubtful : float
