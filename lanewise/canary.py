@@ -1,4 +1,4 @@
-"""Which assumptions of `lanewise.numba_adapter` hold for the Numba that is installed.
+"""Which assumptions about Numba's inside hold for the Numba that is installed.
 
 ``python -m lanewise.canary`` prints a table and ends with 1 if one is broken. ``make canary`` does
 so with the newest Numba and NumPy that exist.
@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 from lanewise.canary_checks import CHECKS
 
-ADAPTER = Path(__file__).with_name("numba_adapter.py")
+#: The files that import from the inside of Numba.
+ADAPTERS = tuple(map(Path(__file__).with_name, ("numba_adapter.py", "numba_shortcuts.py")))
 
 
 class Row(NamedTuple):
@@ -42,8 +43,12 @@ class Row(NamedTuple):
 
 
 def private_names() -> dict[tuple[str, str], str]:
-    """(module, name) of all that the adapter imports from the inside of Numba -> its comment."""
-    text = ADAPTER.read_text(encoding="utf-8")
+    """(module, name) of all that is imported from the inside of Numba -> its comment."""
+    texts = [path.read_text(encoding="utf-8") for path in ADAPTERS]
+    return {key: said for text in texts for key, said in _private_names_in(text).items()}
+
+
+def _private_names_in(text: str) -> dict[tuple[str, str], str]:
     words = tokenize.generate_tokens(io.StringIO(text).readline)
     comments = {t.start[0]: t.string.lstrip("# ") for t in words if t.type == tokenize.COMMENT}
     return {

@@ -269,8 +269,8 @@ def _try_locks() -> None:
     """LLVM's lock has a list of those who are told when it is taken, which may be another one."""
     import llvmlite.binding as llvm
 
-    event, adapter = import_module("numba.core.event"), import_module("lanewise.numba_adapter")
-    with event.install_recorder("numba:llvm_lock") as seen, adapter.untold_of_locks():
+    event, short = import_module("numba.core.event"), import_module("lanewise.numba_shortcuts")
+    with event.install_recorder("numba:llvm_lock") as seen, short.untold_of_locks():
         llvm.parse_assembly("")
     assert not seen.buffer, "Numba was told"
     with event.install_recorder("numba:llvm_lock") as seen:
@@ -278,10 +278,49 @@ def _try_locks() -> None:
     assert seen.buffer, "Numba is not told any more"
 
 
+@_check("KernelLower")
+def _try_operators() -> None:
+    """An operator of operands that are no constants has its code by its function and signature."""
+    short = import_module("lanewise.numba_shortcuts")
+    short.OPERATORS.clear()
+    _compiled(_two_times, np.float32(1))
+    found = {operator.__name__ for operator, _ in short.OPERATORS}
+    assert found == {"add"}, f"lowered {found or 'no operator'}"
+
+
+@_check("shortcuts")
+def _try_shortcuts() -> None:
+    """What Numba has in these places is there again afterwards."""
+    short = import_module("lanewise.numba_shortcuts")
+    places = (short.errors, "_termcolor_inst"), (short.ir.Inst, "_rec_list_vars")
+    before = [getattr(*place) for place in (*places, (short.base, "_has_loc"))]
+    with short.shortcuts():
+        assert getattr(*places[0]) is not before[0], "messages are coloured"
+    assert [getattr(*place) for place in (*places, (short.base, "_has_loc"))] == before
+
+
+@_check("Uncoloured")
+def _try_uncoloured() -> None:
+    """Numba's messages are the same text without colours."""
+    short = import_module("lanewise.numba_shortcuts")
+    with short.shortcuts():
+        assert str(short.errors.TypingError("no $x")) == "no $x"
+
+
+@_check("variables_in")
+def _try_variables() -> None:
+    """An instruction names the same variables in the same order as by Numba's own method."""
+    short, run = import_module("lanewise.numba_shortcuts"), import_module("numba.core.compiler")
+    its = vars(short.ir.Inst)["_rec_list_vars"]
+    for block in run.run_frontend(_times).blocks.values():
+        for one in block.body:
+            assert short.variables_in(one, vars(one)) == its(one, vars(one)), str(one)
+
+
 @_check("leave_scipy_alone")
 def _try_leaving_scipy() -> None:
     """Where SciPy is, Numba asks for its linear algebra once more when it needs it."""
-    import_module("lanewise.numba_adapter").leave_scipy_alone()
+    import_module("lanewise.numba_shortcuts").leave_scipy_alone()
     arraymath, linalg = import_module("numba.np.arraymath"), import_module("numba.np.linalg")
     assert arraymath.ensure_blas is linalg.ensure_blas, "Numba goes on without SciPy"
     has_blas = vars(arraymath)["_HAVE_BLAS"]

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import hashlib
 import pickle
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -95,7 +96,7 @@ class KeptFunctions(NullCache):
         if parts is not None:
             for path in self._of_text(sig):
                 if read_kept(path) is None:
-                    _pickle(path, tuple(parts))
+                    _pickle(path, tuple(parts), _types_in(parts))
                     break
 
     def _of_text(self, sig: Any) -> Iterator[Path]:
@@ -103,7 +104,8 @@ class KeptFunctions(NullCache):
         return (_path(sig, self.alone, f"{number}.unlinked") for number in range(VARIANTS))
 
     def _keep_optimised(self, sig: Any, compiled: Any) -> None:
-        _pickle(_path(sig, self.digest), (bare_descriptor(compiled), compiled.library.bitcode()))
+        kept = bare_descriptor(compiled), compiled.library.bitcode()
+        _pickle(_path(sig, self.digest), kept, _types_of(compiled.fndesc))
 
 
 def _path(arguments: Any, digest: str, form: str = "bitcode") -> Path:
@@ -112,16 +114,31 @@ def _path(arguments: Any, digest: str, form: str = "bitcode") -> Path:
     return functions_folder() / f"{hashlib.sha256(words.encode()).hexdigest()[:32]}.{form}"
 
 
-def _pickle(path: Path, parts: tuple) -> None:
-    """Keep a descriptor and what follows it, if they can be read again."""
+def _types_of(descriptor: Any) -> Iterator[Any]:
+    yield descriptor.restype
+    yield from descriptor.argtypes
+
+
+def _types_in(parts: Unlinked) -> Iterator[Any]:
+    yield from _types_of(parts.descriptor)
+    for call in parts.calls:
+        yield from call.arguments
+        yield from call.keywords.values()
+
+
+def _pickle(path: Path, parts: tuple, kinds: Iterable[Any]) -> None:
+    """Keep a descriptor and what follows it, if the types in it can be read again."""
+    if all(map(comes_back, kinds)):
+        write_kept(path, {}, pickle.dumps(parts))
+
+
+@cache
+def comes_back(kind: Any) -> bool:
+    """Whether a type is the same after pickling."""
     try:
-        content = pickle.dumps(parts)
-        found = pickle.loads(content)
+        return pickle.loads(pickle.dumps(kind)) == kind
     except Exception:  # a record that cannot be imported by its name
-        return
-    mine, its = parts[0], found[0]
-    if (mine.restype, mine.argtypes, *parts[1:]) == (its.restype, its.argtypes, *found[1:]):
-        write_kept(path, {}, content)
+        return False
 
 
 def _unpickled(path: Path) -> Any:

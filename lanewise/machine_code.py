@@ -12,6 +12,7 @@ import ctypes
 import hashlib
 import threading
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -202,8 +203,9 @@ def _write(path: Path, compiled: ObjectCode) -> None:
 # ---------------------------------------------------------------- in memory
 
 
+@lru_cache(maxsize=32)
 def _brought_to_life(compiled: ObjectCode) -> Callable:
-    """The C function, as a callable of its leaves."""
+    """The C function, as a callable of its leaves; the same code again is not loaded again."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()

@@ -1,4 +1,4 @@
-"""Every undocumented part of Numba and llvmlite that lanewise uses, in one place.
+"""Undocumented parts of Numba and llvmlite that lanewise uses; others are in `numba_shortcuts`.
 
 The rest of the package uses `numba.njit`, `types`, `typeof`, `from_dtype`, `config` and
 `numba.extending`, `llvmlite.ir` and `llvmlite.binding`. The names below are internal to Numba
@@ -13,12 +13,7 @@ to the rest of the package.
 from __future__ import annotations
 
 import re
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from copy import copy
-from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -67,6 +62,7 @@ from numba.core.untyped_passes import (
 
 from lanewise.machine_code import ObjectCode
 from lanewise.numba_methods import METHODS
+from lanewise.numba_shortcuts import KernelLower, leave_scipy_alone, shortcuts
 from lanewise.portable import forbid_estimates
 from lanewise.remembered_answers import RememberingContext
 
@@ -205,6 +201,11 @@ class LowerToLibrary(NativeLowering):
 
     _name = "lanewise_lower_to_library"
 
+    @property
+    def lowering_class(self):
+        """What lowers."""
+        return KernelLower
+
     def run_pass(self, state):
         """Lower one function."""
         state.flags.no_compile = True  # to stop before the engine is asked for an address
@@ -321,42 +322,6 @@ class StockCompiler(CompilerBase):
         return [pipeline]
 
 
-@contextmanager
-def untold_of_locks() -> Iterator[None]:
-    """Call LLVM without Numba's timers being told of each call.
-
-    There are two for each kernel on the way to the one that is being compiled: of the time for a
-    Cornell box, a twentieth.
-    """
-    lock = llvm.ffi.lib._lock
-    with global_compiler_lock:
-        with lock._lock:
-            told, lock._cblist = lock._cblist, []
-        try:
-            yield
-        finally:
-            with lock._lock:
-                lock._cblist = told
-
-
-def leave_scipy_alone() -> None:
-    """Keep Numba from importing SciPy's linear algebra to see whether it is there.
-
-    It does so before it compiles anything, a quarter of a second, and again when it needs it.
-    """
-    if "numba.np.arraymath" in sys.modules or not find_spec("scipy"):
-        return
-    # Its `ensure_blas` does that, and `arraymath` calls it as it is imported.
-    linalg: Any = import_module("numba.np.linalg")
-    import_it = linalg.ensure_blas
-    linalg.ensure_blas = lambda: None
-    try:
-        arraymath: Any = import_module("numba.np.arraymath")
-        arraymath.ensure_blas = import_it
-    finally:
-        linalg.ensure_blas = import_it
-
-
 def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
     """Compile a root kernel for arguments of these types.
 
@@ -366,7 +331,7 @@ def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
         If it returns something.
     """
     signature = tuple(map(typeof, arguments))
-    with untold_of_locks():
+    with shortcuts():
         dispatcher.compile(signature)
     compiled = dispatcher.overloads[signature]
     described = compiled.fndesc

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 from copy import copy
+from functools import cache
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -179,6 +180,7 @@ def takes_kernels(arguments: Iterable[Any]) -> bool:
     )
 
 
+@cache
 def description(kind: Any) -> str:
     """A type as far as code depends on it: of a record, also what its fields are called."""
     if isinstance(kind, types.BaseTuple):

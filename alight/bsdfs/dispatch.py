@@ -19,7 +19,7 @@ Source: Veach and Guibas, Optimally combining sampling techniques, SIGGRAPH 1995
 
 from __future__ import annotations
 
-from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH
+from alight.bsdfs.flags import DELTA, DELTA_AND_SMOOTH, LAYER
 from alight.bsdfs.model import BsdfValue
 from alight.bsdfs.switch import (
     MIXED,
@@ -51,7 +51,7 @@ LAYERED_NAME = "layered"
 
 
 @kernel
-def _layer(scene, surface, i, more):
+def layer_of(scene, surface, i, more):
     """(row, share) of model number i of a material; share 0 where there are no `more`."""
     layers = scene.materials.layers
     at = gather(layers, 2 * surface.bsdf) + 3 * i
@@ -72,7 +72,7 @@ def _layer(scene, surface, i, more):
 
 
 @kernel
-def _count(scene, surface):
+def count_of_layers(scene, surface):
     """How many models the material of a surface is made of."""
     return gather(scene.materials.layers, 2 * surface.bsdf + 1)
 
@@ -94,10 +94,10 @@ def _evaluate_one(scene, surface, wo, wi, active):
 @kernel
 def _evaluate_layers(scene, surface, wo, wi, active):
     total = BsdfValue(lanes_vec3(0.0), lanes(0.0))
-    count, i = _count(scene, surface), lanes_u32(0)
+    count, i = count_of_layers(scene, surface), lanes_u32(0)
     more = active & (count > i)
     while any_lane(more):
-        row, share = _layer(scene, surface, i, more)
+        row, share = layer_of(scene, surface, i, more)
         more = more & (share > 0.0)
         f_cos, pdf = evaluate_row(scene, surface, row, wo, wi, more)
         both = BsdfValue(total.f_cos + f_cos * share, total.pdf + pdf * share)
@@ -123,31 +123,32 @@ def _sample_one(scene, surface, wo, u, u2, active):
 
 @kernel
 def _choose_layer(scene, surface, u, active):
-    """(row, share, u rescaled) of one of the models, with its share as probability."""
-    row, share, rest = surface.bsdf, lanes(1.0), u
-    count, i, before = _count(scene, surface), lanes_u32(0), lanes(0.0)
+    """(row, share, u rescaled, number) of one of the models, with its share as probability."""
+    row, share, rest, layer = surface.bsdf, lanes(1.0), u, lanes_u32(0)
+    count, i, before = count_of_layers(scene, surface), lanes_u32(0), lanes(0.0)
     more = active & (count > i)
     while any_lane(more):
-        row_new, share_new = _layer(scene, surface, i, more)
+        row_new, share_new = layer_of(scene, surface, i, more)
         # The last one that begins at or before u, so that rounding of the sum leaves no gap.
         mine = more & (share_new > 0.0) & (u >= before)
         row = where(mine, row_new, row)
         share = where(mine, share_new, share)
         rest = where(mine, (u - before) / where(mine, share_new, 1.0), rest)
+        layer = where(mine, i, layer)
         before = before + share_new
         i = i + 1
         more = active & (count > i)
-    return row, share, minimum(rest, ONE_MINUS_EPSILON)
+    return row, share, minimum(rest, ONE_MINUS_EPSILON), layer
 
 
 @kernel
 def _sample_layers(scene, surface, wo, u, u2, active):
-    row, share, rest = _choose_layer(scene, surface, u, active)
+    row, share, rest, layer = _choose_layer(scene, surface, u, active)
     found = sample_row(scene, surface, row, wo, rest, u2, active)
-    found = replace(found, pdf=found.pdf * share)
+    found = replace(found, pdf=found.pdf * share, flags=found.flags | (layer << LAYER))
     # Of a delta lobe the share cancels: share * f / (share * pmf). A smooth direction might have
     # come from the other models too.
-    layered = active & (_count(scene, surface) > 1)
+    layered = active & (count_of_layers(scene, surface) > 1)
     smooth = layered & ((found.flags & DELTA) == 0) & (found.pdf > 0.0)
     if any_lane(smooth):
         f_cos, pdf = _evaluate_layers(scene, surface, wo, found.wi, smooth)
@@ -174,10 +175,10 @@ def _albedo_one(scene, surface, active):
 @kernel
 def _albedo_layers(scene, surface, active):
     value = lanes_vec3(0.0)
-    count, i = _count(scene, surface), lanes_u32(0)
+    count, i = count_of_layers(scene, surface), lanes_u32(0)
     more = active & (count > i)
     while any_lane(more):
-        row, share = _layer(scene, surface, i, more)
+        row, share = layer_of(scene, surface, i, more)
         value = where(more, value + albedo_row(scene, surface, row, more) * share, value)
         i = i + 1
         more = active & (count > i)
@@ -203,10 +204,10 @@ def _open_one(scene, surface, active):
 @kernel
 def _open_layers(scene, surface, active):
     value = lanes(0.0)
-    count, i = _count(scene, surface), lanes_u32(0)
+    count, i = count_of_layers(scene, surface), lanes_u32(0)
     more = active & (count > i)
     while any_lane(more):
-        row, share = _layer(scene, surface, i, more)
+        row, share = layer_of(scene, surface, i, more)
         value = where(more & is_null(scene, row), value + share, value)
         i = i + 1
         more = active & (count > i)
@@ -227,19 +228,3 @@ def _is_mixed(scene, surface):
 @kernel
 def _never_mixed(scene, surface):
     return lanes_mask(False)
-
-
-@specialised
-def is_one_model(program):
-    """``(scene, surface) -> mask``: the material is no sum of several models."""
-    return _is_one_model if LAYERED_NAME in program.bsdfs else _always_one
-
-
-@kernel
-def _is_one_model(scene, surface):
-    return _count(scene, surface) == 1
-
-
-@kernel
-def _always_one(scene, surface):
-    return lanes_mask(True)

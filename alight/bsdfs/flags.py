@@ -7,5 +7,8 @@ DELTA = 4
 #: Straight on through a surface that is not there.
 NULL = 8
 
+#: From this bit on, the number of the model, of a material that is a sum of several.
+LAYER = 4
+
 #: What programs call a material with both delta and smooth lobes.
 DELTA_AND_SMOOTH = "delta_and_smooth"

@@ -31,9 +31,10 @@ from lanewise.simd import (
 )
 
 #: Bits of a material's flags: the back looks like the front; both delta and smooth lobes; it, or a
-#: part of it, disperses light; its coat has normals of its own; and from bit `NORMALS` on, the row
-#: of its normal or bump map + 1.
-TWO_SIDED, MIXED, SPREADS, COATED_APART, NORMALS = 1, 2, 4, 8, 4
+#: part of it, disperses light; its coat has normals of its own; some of it is a mirror or clear
+#: glass; light passes some of it as if nothing was there; and from bit `NORMALS` on, the row of its
+#: normal or bump map + 1.
+TWO_SIDED, MIXED, SPREADS, COATED_APART, SPECULAR, OPEN, NORMALS = 1, 2, 4, 8, 16, 32, 6
 #: What programs call the first bit; the second is `alight.bsdfs.flags.DELTA_AND_SMOOTH`.
 SAME_BACK = "same_back"
 
@@ -45,7 +46,7 @@ def _kind(scene, row):
 
 @kernel
 def material_flags(scene, row):
-    """Bits `TWO_SIDED`, `MIXED` and `SPREADS` of a material."""
+    """Bits `TWO_SIDED` to `OPEN` of a material."""
     return gather(scene.materials.info, 2 * row + 1)
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.bsdfs import dirac
-from alight.bsdfs.flags import DELTA_AND_SMOOTH
-from alight.bsdfs.model import BSDFS
 from alight.bsdfs.nesting import leaves
+from alight.bsdfs.specular import is_specular
 from alight.compiled.suspicious_bodies import box_of
 from alight.core.spec import Bsdf
 from alight.scene.flatten import FlatScene
@@ -30,8 +28,4 @@ def boxes_of_casters(flat: FlatScene) -> NDArray[np.float64]:
 
 def is_caster(bsdf: Bsdf) -> bool:
     """Whether some of a material is a mirror or clear glass."""
-    specs = [leaf.bsdf for leaf in leaves(bsdf)]
-    models = [BSDFS[spec.type_name()] for spec in specs]
-    clear = any(m.evaluate is dirac.evaluate and not m.spec.unseen for m in models)
-    pairs = zip(models, specs, strict=True)
-    return clear or any(DELTA_AND_SMOOTH in model.features(spec) for model, spec in pairs)
+    return any(is_specular(leaf.bsdf) for leaf in leaves(bsdf))

@@ -21,7 +21,17 @@ from alight.bsdfs.dispatch import LAYERED_NAME
 from alight.bsdfs.flags import DELTA_AND_SMOOTH
 from alight.bsdfs.model import BSDFS, stride_of
 from alight.bsdfs.nesting import Leaf, Nested, leaves
-from alight.bsdfs.switch import COATED_APART, MIXED, NORMALS, SAME_BACK, SPREADS, TWO_SIDED
+from alight.bsdfs.specular import is_specular
+from alight.bsdfs.switch import (
+    COATED_APART,
+    MIXED,
+    NORMALS,
+    OPEN,
+    SAME_BACK,
+    SPECULAR,
+    SPREADS,
+    TWO_SIDED,
+)
 from alight.compiled.packer import Packer, in_place
 from alight.compiled.textures import TextureTable
 from alight.core.spec import Bsdf, Texture
@@ -110,7 +120,9 @@ class _Rows:
         """Make the row that a shape refers to; returns the models of the material."""
         found = list(leaves(spec))
         if len(found) > 1:
-            self.put(_weighing(spec), MIXED | SPREADS * any(map(_spreads, found)))
+            kinds = MIXED | SPREADS * any(map(_spreads, found))
+            lobes = SPECULAR * any(map(_mirrors, found)) | OPEN * any(map(_is_open, found))
+            self.put(_weighing(spec), kinds | lobes)
             self.used.add(DELTA_AND_SMOOTH)
         else:
             self.put(found[0].bsdf, self.flags(found[0]))
@@ -123,6 +135,7 @@ class _Rows:
         self.used |= {name, *features} | ({SAME_BACK} if leaf.two_sided else set())
         flags = TWO_SIDED * leaf.two_sided | MIXED * (DELTA_AND_SMOOTH in features)
         flags |= SPREADS * _spreads(leaf) | COATED_APART * (OWN_COAT in features)
+        flags |= SPECULAR * _mirrors(leaf) | OPEN * _is_open(leaf)
         if leaf.normals is not None:
             self.used |= set(BSDFS[leaf.normals.type_name()].features(leaf.normals))
             flags |= (self.normals[leaf.normals] + 1) << NORMALS
@@ -166,6 +179,16 @@ class _Rows:
 def _spreads(leaf: Leaf) -> bool:
     """Whether a model disperses light."""
     return DISPERSIVE in BSDFS[leaf.bsdf.type_name()].features(leaf.bsdf)
+
+
+def _mirrors(leaf: Leaf) -> bool:
+    """Whether a model is a mirror or clear glass, or has such a lobe."""
+    return is_specular(leaf.bsdf)
+
+
+def _is_open(leaf: Leaf) -> bool:
+    """Whether light passes a model as if nothing was there."""
+    return BSDFS[leaf.bsdf.type_name()].spec.unseen
 
 
 def _weighing(spec: Bsdf) -> Bsdf:

@@ -175,7 +175,6 @@ class _Compiler:
         self.geometries: list[tuple[np.ndarray, np.ndarray]] = []
         self.ranges: dict[int, tuple[int, MeshRange]] = {}
         self.moving_ranges: dict[tuple[int, bytes], tuple[int, MeshRange, np.ndarray]] = {}
-        self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
         self.extents: list[tuple[int, np.ndarray, np.ndarray]] = []
         self.shared = self._find_shared()
 
@@ -340,7 +339,6 @@ class _Compiler:
         self.instances.append((number, index, found.forward, found.backward))
 
     def _grow(self, low: np.ndarray, high: np.ndarray) -> None:
-        self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
         self.extents.append((len(self.rows) - 1, low, high))
 
     def finish(self, uv_sets: bool) -> CompiledShapes:
@@ -364,8 +362,11 @@ class _Compiler:
             uv_shifts=View(shifts),
         )
         kinds = {row.kind for row in self.rows}
-        empty = not np.isfinite(self.low).all()
-        low, high = (np.zeros(3), np.zeros(3)) if empty else (self.low, self.high)
+        low = np.min([np.full(3, np.inf), *(low for _, low, _ in self.extents)], axis=0)
+        high = np.max([np.full(3, -np.inf), *(high for _, _, high in self.extents)], axis=0)
+        empty = not np.isfinite(low).all()
+        lowest = None if empty else float(low[1])
+        low, high = (np.zeros(3), np.zeros(3)) if empty else (low, high)
         radius = 0.5 * float(np.linalg.norm(high - low))
         return CompiledShapes(
             tables=tables,
@@ -378,7 +379,7 @@ class _Compiler:
             kinds=tuple(name for name in SHAPES if name in kinds),
             center=0.5 * (low + high),
             radius=radius if radius > 0.0 else 1.0,
-            lowest=None if empty else float(self.low[1]),
+            lowest=lowest,
             moving=self.moving,
             motions=self.motions,
             many=self.many,

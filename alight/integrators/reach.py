@@ -11,6 +11,7 @@ from collections import namedtuple
 
 from alight.bsdfs.switch import has_null
 from alight.core.vec import length
+from alight.integrators.caustics.chain_types import turns
 from alight.integrators.walk import gather_light, gather_unguided
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.misses import environment_pdf, environment_radiance
@@ -59,7 +60,7 @@ def write_reach_environment(bsdf_weight, listeners, unguided=None):
 def is_led_to_disk(scene, path):
     """Mask: paths whose chains end in the disk that is a target, if they leave the scene."""
     chain = path.chain
-    return chain.known & (chain.type.count > 0) & leads_to_disk(scene, path.d)
+    return chain.known & turns(chain.type) & leads_to_disk(scene, path.d)
 
 
 def write_reach_lamp(bsdf_weight, holes, listeners, unguided=None):

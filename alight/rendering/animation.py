@@ -52,6 +52,10 @@ from alight.scene.transform import matrix, rotate, translate
 from alight.shapes.model import SHAPES
 from lanewise.machine import fingerprint
 
+#: Two frames share the threads, and none is shown before its end: passes may be longer than of a
+#: picture alone, and have less to add to the film.
+_PASSES_IN_ONE = 4
+
 #: What a frame's file says of how it was made.
 FRAME = "frame"
 
@@ -272,7 +276,8 @@ class Animation:
         alone = time_limit_of(self.single) is not None or self.single.cluster is not None
         if self.single.spp_per_pass is None and not alone:
             _, _, width, height = film.crop
-            spp = 1e6 * film.stats["msamples_per_s"] * PASS_SECONDS / (width * height)
+            seconds = _PASSES_IN_ONE * PASS_SECONDS
+            spp = 1e6 * film.stats["msamples_per_s"] * seconds / (width * height)
             self._pace = {"spp_per_pass": max(1, round(spp))}
 
     def _shown(self, linear: np.ndarray) -> np.ndarray:

@@ -192,10 +192,11 @@ class Node(Spec):
         while stack:
             path, keys, node = stack.pop()
             yield path, keys, node
-            stack.extend(
-                (f"{path}/{name}", f"{keys}.children.{name}", child)
-                for name, child in reversed(node.children.items())
-            )
+            if node.children:
+                stack.extend(
+                    (f"{path}/{name}", f"{keys}.children.{name}", child)
+                    for name, child in reversed(node.children.items())
+                )
 
 
 NO_LIGHT = "the scene has no light: the picture will be black"
@@ -277,8 +278,11 @@ class Scene(Spec):
         roots += [(f"nodes.{name}", node) for name, node in self.nodes.items()]
         for keys, root in roots:
             for _, path, node in root.walk("", keys):
-                found.append((f"{path}.camera.medium", node.camera and node.camera.medium))
-                found += [(f"{path}.interior", node.interior), (f"{path}.exterior", node.exterior)]
+                if node.camera is not None:
+                    found.append((f"{path}.camera.medium", node.camera.medium))
+                if node.interior is not None or node.exterior is not None:
+                    found.append((f"{path}.interior", node.interior))
+                    found.append((f"{path}.exterior", node.exterior))
         yield from ((path, medium) for path, medium in found if medium not in (None, VACUUM))
 
     @property
@@ -339,7 +343,10 @@ class Scene(Spec):
     def walk(self) -> Iterator[tuple[str, str, Node]]:
         """Visit all nodes of the graph, parents first: node path, key path, node."""
         for name, node in self.nodes.items():
-            yield from node.walk(name, f"nodes.{name}")
+            if node.children:
+                yield from node.walk(name, f"nodes.{name}")
+            else:  # as most of many instances
+                yield name, f"nodes.{name}", node
 
     def _facts(self) -> list[tuple[str, str]]:
         width, height = self.film.size

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -64,7 +65,7 @@ class Keyframes(Transform):
         """Invert every keyframe."""
         return keyframes([(time, frame.inverse()) for time, frame in self.frames])
 
-    @property
+    @cached_property
     def is_singular(self) -> bool:
         """Whether a keyframe flattens space."""
         return any(frame.is_singular for _, frame in self.frames)

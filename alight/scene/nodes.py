@@ -33,10 +33,11 @@ def placed_nodes(scene: Scene) -> Iterator[tuple[str, Node, Matrix]]:
                 with np.errstate(over="ignore", invalid="ignore"):
                     to_world = parent @ to_world
             yield path, node, to_world
-            stack.extend(
-                (f"{path}.children.{name}", child, to_world)
-                for name, child in reversed(node.children.items())
-            )
+            if node.children:
+                stack.extend(
+                    (f"{path}.children.{name}", child, to_world)
+                    for name, child in reversed(node.children.items())
+                )
 
 
 def instances_in(node: Node, prototypes: dict[str, Node]) -> list[str]:

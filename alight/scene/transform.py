@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -101,10 +102,16 @@ class Transform:
         """Transform normals by the inverse transpose, shape (..., 3); not normalised."""
         return np.asarray(normals, np.float64) @ np.linalg.inv(self.matrix[:3, :3])
 
-    @property
+    # Found out once: scenes that are made from one another share their transforms.
+    @cached_property
     def is_singular(self) -> bool:
         """Whether volumes become (nearly) 0 compared with what lengths alone would give."""
         return is_singular(self.matrix)
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest number in the matrix, without its sign."""
+        return float(np.abs(self.matrix).max())
 
     @property
     def flips_handedness(self) -> bool:

@@ -36,12 +36,18 @@ from alight.scene.transform import Matrix, is_singular
 from alight.shapes.arrays import TriangleShape
 from alight.textures import nesting as textures
 
+#: Of the numbers in a matrix.
+LARGEST = 1e15
 MOST_PLACED = 4_000_000
 MOST_LEVELS = 24
 #: Prototypes in prototypes at most.
 MOST_INSTANCED = 64
 #: Lights that surround a scene, portals too: each is compiled by itself.
 MOST_SURROUNDINGS = 64
+
+
+def _is_no_place(to_world: Matrix) -> bool:
+    return is_singular(to_world) or bool(np.abs(to_world).max() > LARGEST)
 
 
 def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
@@ -291,10 +297,11 @@ class _Checker:
             if path.count(".children.") >= MOST_LEVELS:
                 self.report(path, f"is nested deeper than {MOST_LEVELS} levels")
                 continue
-            own = node.transform.matrix
-            if is_singular(own):
+            own = node.transform
+            at_root = to_world is own.matrix
+            if own.is_singular:
                 self.report(f"{path}.transform", "is singular: it flattens space")
-            elif (to_world is not own and is_singular(to_world)) or np.abs(to_world).max() > 1e15:
+            elif own.largest > LARGEST if at_root else _is_no_place(to_world):
                 text = "together with its parents' transforms it is singular or too large"
                 self.report(f"{path}.transform", text)
             self.check_light(node, path, to_world)

@@ -163,6 +163,15 @@ def test_media_in_coloured_glass_extinguish_besides():
     np.testing.assert_allclose(found, np.exp(-0.8) * COLOR**0.8, rtol=0.15)
 
 
+def test_what_media_in_coloured_glass_emit_is_dimmed_from_where_it_is():
+    fire = {"fire": {"type": "homogeneous", "sigma_t": 1.0, "albedo": 0.0, "emission": 2.0}}
+    nodes = {"body": ball(1.0, glass(), interior="fire")}
+    found = seen(nodes, integrator="volpath", media=fire, spp=2048)
+    # 2 m through both: the integral of 2 exp(-s) COLOR^s.
+    rate = 1.0 - np.log(COLOR)
+    np.testing.assert_allclose(found, 2.0 / rate * (1.0 - np.exp(-2.0 * rate)), rtol=0.08)
+
+
 def test_blends_absorb_as_their_bodies_do_by_their_shares():
     r, other = Dielectric(**glass()), Dielectric(**glass(OTHER))
     thin = Principled(thin=True, attenuation_color=COLOR.tolist(), attenuation_distance=1.0)

@@ -1,4 +1,7 @@
-"""Caustics at places that light passes: rough glass, with bodies and colours on either side."""
+"""Caustics at places that light passes: rough glass, with bodies and colours on either side.
+
+And on a wall behind leaves and what has holes, where a lamp may also be seen straight ahead.
+"""
 
 import math
 
@@ -14,7 +17,7 @@ pytestmark = pytest.mark.proofs
 SCENE = """
 alight: 1
 sampler: {type: independent}
-integrator: {type: path, max_depth: %d, caustics: %s, russian_roulette: none}
+integrator: {type: path, max_depth: %d, caustics: %s, russian_roulette: none, light_sampling: bsdf}
 camera: {type: pinhole, fov: %g, transform: {look_at: {origin: %s, target: %s, up: [0, 1, 0]}}}
 film: {size: [8, 8], filter: {type: box}}
 bsdfs:
@@ -22,6 +25,10 @@ bsdfs:
           attenuation_color: [0.8, 0.3, 0.05], attenuation_distance: 1}
   pane: {type: rough_dielectric, alpha: 0.03, dispersion: 5, int_ior: 1.5}
   black: {type: diffuse, reflectance: 0}
+  wall: {type: diffuse, reflectance: 0.7}
+  leaf: {type: mask, opacity: 0.4, bsdf: wall}
+  veil: {type: mask, opacity: 0.6, bsdf: {type: blend, weight: 0.7,
+    bsdfs: [wall, {type: dielectric, int_ior: 1.5}]}}
 nodes:
 """
 BULB = """
@@ -36,6 +43,9 @@ PANE = "  pane: {shape: rectangle, bsdf: pane, transform: {scale: 2}}"
 #: 3 m from the pane at 64 degrees, where it sends green and blue but no red.
 ASIDE = [3.0 * math.sin(math.radians(64.0)), 0.0, 3.0 * math.cos(math.radians(64.0))]
 AHEAD, BEHIND = [0.0, 0.0, -2.0], [0.0, 0.0, -0.2]
+WALL = "  wall: {shape: rectangle, bsdf: wall}"
+SHEET = "\n  sheet: {shape: rectangle, bsdf: %s, transform: {translate: [0, 0, 1]}}"
+OVER = [0.0, 0.0, 2.0]
 FROM = [-math.sin(math.radians(35.0)), 0.0, -math.cos(math.radians(35.0))]
 
 CASES = {
@@ -53,6 +63,16 @@ CASES = {
         (3, 1.0, FROM, [0, 0, 0]),
         PANE + BULB % (0.4, ASIDE, "int_ior: 1.2, ext_ior: 1", 0.15, ASIDE),
         (1 << 15, 1 << 11),
+    ),
+    "behind leaves": (
+        (5, 20.0, [1, 0, 0.8], [0, 0, 0]),
+        WALL + SHEET % "leaf" + BULB % (0.4, OVER, "int_ior: 1.2, ext_ior: 1", 0.1, OVER),
+        (1 << 16, 1 << 12),
+    ),
+    "behind clear glass with holes": (
+        (5, 20.0, [1, 0, 0.8], [0, 0, 0]),
+        WALL + SHEET % "veil" + BULB % (0.4, [0, 0, -4], "int_ior: 1", 0.1, OVER),
+        (1 << 15, 1 << 12),
     ),
 }
 

@@ -59,8 +59,9 @@ def test_lamps_before_each_other_are_told_apart():
     met = first_lamp(at, d * turn)
     assert {-1, 0, 1} == {*met.tolist()}
     o = Vec3(*(np.full(N, c, np.float32) for c in start))
-    rays = Start(o, Vec3(*np.float32(d.T)), ())
-    plan = Plan(Type(none + REFLECTION, none + 1), ~one, one, Stream(none, none, none), none)
+    rays = Start(o, Vec3(*np.float32(d.T)), (), (), ())
+    type_, stream = Type(none + REFLECTION, none + 1), Stream(none, none, none)
+    plan = Plan(type_, ~one, one, stream, none, none + np.uint32(9))
     for number in (0, 1):
         target = aim(scene.tables, none + np.uint32(number))
         middle = [float(np.ravel(c)[0]) for c in (target.c.x, target.c.y, target.c.z)]

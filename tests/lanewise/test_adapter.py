@@ -6,13 +6,14 @@ import inspect
 import llvmlite.binding as llvm
 import numba.core.base
 import numba.core.codegen
+import numba.core.errors
+import numba.core.ir
 import pytest
 
-from lanewise import canary, dispatchers, numba_adapter, remembered_answers
+from lanewise import canary, dispatchers, numba_adapter, numba_shortcuts, remembered_answers
 from tests.static.sources import COMPILER, place, tree
 
-ADAPTER = COMPILER / "numba_adapter.py"
-OTHERS = [path for path in sorted(COMPILER.rglob("*.py")) if path != ADAPTER]
+OTHERS = [path for path in sorted(COMPILER.rglob("*.py")) if path not in canary.ADAPTERS]
 #: What Numba and llvmlite document, and other packages may use.
 PUBLIC = {"numba", "numba.extending", "llvmlite", "llvmlite.binding"}
 
@@ -81,7 +82,7 @@ def test_every_private_name_says_what_is_assumed():
 def test_every_part_of_the_adapter_can_be_tried():
     parts = {
         name
-        for module in (numba_adapter, dispatchers, remembered_answers)
+        for module in (numba_adapter, numba_shortcuts, dispatchers, remembered_answers)
         for name, part in vars(module).items()
         if getattr(part, "__module__", "") == module.__name__
         and (inspect.isclass(part) or inspect.isfunction(part))
@@ -121,7 +122,20 @@ def test_a_step_that_does_nothing_is_told(monkeypatch):
 def test_numba_is_told_of_locks_again_when_a_kernel_fails():
     told = llvm.ffi.lib._lock._cblist
     assert told, "nobody was told in the first place"
-    with pytest.raises(ZeroDivisionError), numba_adapter.untold_of_locks():
+    with pytest.raises(ZeroDivisionError), numba_shortcuts.untold_of_locks():
         assert not llvm.ffi.lib._lock._cblist
         raise ZeroDivisionError
     assert llvm.ffi.lib._lock._cblist is told
+
+
+def test_numba_is_as_before_when_a_kernel_fails():
+    places = (
+        (numba.core.errors, "_termcolor_inst"),
+        (numba.core.ir.Inst, "_rec_list_vars"),
+        (numba.core.base, "_has_loc"),
+    )
+    before = [getattr(*place) for place in places]
+    with pytest.raises(ZeroDivisionError), numba_shortcuts.shortcuts():
+        assert all(getattr(*place) is not now for place, now in zip(places, before, strict=True))
+        raise ZeroDivisionError
+    assert [getattr(*place) for place in places] == before

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections import namedtuple
 
+import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
@@ -160,3 +161,16 @@ def test_without_room_on_disk_it_is_compiled_each_time(tmp_path, monkeypatch):
         out = View(np.ones(1, np.float32))
         MachineCode("scale", "seven", compile_for)(out)
         assert out.array[0] == 7.0 and len(calls) == n
+
+
+def test_the_same_machine_code_is_loaded_once(monkeypatch):
+    def call():
+        out = View(np.zeros(9, np.float32))
+        outer = Outer(Inner(View(np.int32([8])), 1), True, (), np.uint32(2))
+        instantiate(write_arguments)(outer, Vec3(0.0, 0.0, 0.0), 1.0, 5, out)
+        return out.array[8]
+
+    engines, make = [], llvm.create_mcjit_compiler
+    monkeypatch.setattr(llvm, "create_mcjit_compiler", lambda *a: engines.append(a) or make(*a))
+    assert (call(), call()) == (5, 5)
+    assert len(engines) <= 1

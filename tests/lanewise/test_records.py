@@ -4,8 +4,10 @@ from collections import namedtuple
 
 import numpy as np
 import pytest
+from numba import typeof
 from numba.core.errors import TypingError
 
+from lanewise import kept_functions
 from lanewise.jit import instantiate, kernel
 from lanewise.records import local_records, put_records, records_at, replace
 from lanewise.simd import LANES, as_uint, float_bits, load_lanes, packing, store_lanes, where
@@ -202,3 +204,9 @@ def test_records_are_stored_reordered_and_loaded_as_they_were(compiled):
 @kernel
 def count_lanes_of_a_packet(out):
     out[0] = as_uint(LANES)
+
+
+def test_only_types_of_records_that_can_be_found_again_are_kept():
+    Local = namedtuple("Local", "x")
+    assert kept_functions.comes_back(typeof(Key(1, True)))
+    assert not kept_functions.comes_back(typeof(Local(1)))

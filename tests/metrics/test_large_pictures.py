@@ -29,8 +29,10 @@ def picture(seed, size, replicates, kind):
     means[3, 5] = 0.0
     if kind == "uneven":
         counts = rng.integers(1, 30, (h, w, replicates))
-        counts[5:9, 7:14, 1] = 0
-        means[5:9, 7:14, 1] = 0.0
+        # Each of them has no sample somewhere.
+        for r in range(replicates):
+            counts[5:9, 4 * r : 4 * r + 3, r] = 0
+            means[5:9, 4 * r : 4 * r + 3, r] = 0.0
     return means, counts
 
 

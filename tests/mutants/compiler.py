@@ -47,6 +47,13 @@ COMPILER = (
         "lanewise",
     ),
     Mutant(
+        "Numba left as it is while kernels are compiled",
+        "numba_shortcuts.py",
+        (("            stack.callback(setattr, owner, name, getattr(owner, name))\n", ""),),
+        "tests/lanewise/test_adapter.py::test_numba_is_as_before_when_a_kernel_fails",
+        "lanewise",
+    ),
+    Mutant(
         "a kernel for every constant",
         "dispatchers.py",
         (("if keywords or plain == list(arguments):", "if True:"),),

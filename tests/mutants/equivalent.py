@@ -34,7 +34,7 @@ EQUIVALENT: dict[str, str] = {
     "bsdfs/plastics/coating.py chance_of_coat: 1.0 -> 1.02 (2)": (
         "divides 0 by something other than 0; the quotient is thrown away"
     ),
-    "bsdfs/dispatch.py _layer: 0 -> 1 (7)": (
+    "bsdfs/dispatch.py layer_of: 0 -> 1 (7)": (
         "idle lanes read the second word of the table; what they find is thrown away"
     ),
     (
@@ -223,4 +223,13 @@ EQUIVALENT: dict[str, str] = {
         "a second guard: a row of the picture over 4 is below its height over 4, rounded up"
     ),
     "view/shades.py _spread: 1.0 -> 1.02": "divides 0 where all pixels are alike",
+    "bsdfs/normals/coat_normals.py axes_of: own.normal.x -> own.normal.y": (
+        "times 0: it gives a number its lanes"
+    ),
+    "integrators/shadow_rays.py transmittance_through_holes: crossing.passed.x -> "
+    "crossing.passed.y": ("without media nothing colours what is passed: 0 or 1 in all channels"),
+    "metrics/survey.py _bands: 1 -> 2": ("two rows lie in one band, which is all of them"),
+    "films/sample_ranges.py SampleRanges.union: _union(self, other) -> _union(other, self)": (
+        "ranges are put in order whichever come first"
+    ),
 }

@@ -25,6 +25,13 @@ FILM = (
         f"{TWIN}::test_every_sample_of_a_tile_is_visited_once_with_its_index_and_replicate",
     ),
     Mutant(
+        "cells taken to be alike where their goals are",
+        "rendering/schedules/passes.py",
+        (("            if all(cell is one for cell in held.flat):\n", "            if True:\n"),),
+        "tests/rendering/test_passes.py"
+        "::test_the_gaps_of_cells_whether_or_not_they_are_alike[False]",
+    ),
+    Mutant(
         "the same scramble for all replicates",
         "samplers/state.py",
         (("pixel_keys(x, y, scramble, seed)", "pixel_keys(x, y, 0, seed)"),),

@@ -12,6 +12,9 @@ WATER, PANE = (
 )
 
 DELTA = "tests/estimators/test_caustics_of_delta_lights.py"
+HOLES = "tests/estimators/test_caustics_through_holes.py"
+SHARES = f"{HOLES}::test_every_model_of_a_material_refracts_by_its_share"
+CHAIN = "integrators/caustics/specular_chain.py"
 DAY_AND_LAMPS = f"{DELTA}::test_lamps_light_the_ground_under_water"
 
 MANIFOLDS = (
@@ -90,7 +93,7 @@ MANIFOLDS = (
     Mutant(
         "glass on the way to a lamp that takes no light",
         "integrators/caustics/specular_chain.py",
-        (("beta, bodies = ray.beta, ray.bodies", "bodies = ray.bodies"),),
+        (("ray = come_to(scene, ray, surface", "_ = come_to(scene, ray, surface"),),
         SAME,
     ),
     Mutant(
@@ -102,7 +105,7 @@ MANIFOLDS = (
     Mutant(
         "caustics at glass that disperses light, in no colour",
         "integrators/caustics/manifold_sampling.py",
-        (("meet_dispersion(scene, surface, path, lit).beta", "path.beta"),),
+        (("factor = arrived.beta * f_cos", "factor = path.beta * f_cos"),),
         f"{GLASS}[through glass that disperses light]",
     ),
     Mutant(
@@ -134,16 +137,52 @@ MANIFOLDS = (
         "::test_the_events_of_the_longest_chain_have_bits_of_their_own",
     ),
     Mutant(
-        "chains through glass that disperses light",
-        "integrators/caustics/specular_chain.py",
-        (
-            (
-                "is_one_model(scene, surface) & ~spreads(scene, surface)",
-                "is_one_model(scene, surface)",
-            ),
-        ),
-        "tests/estimators/test_where_caustics_are_sought.py"
-        "::test_chains_do_not_go_through_glass_that_disperses_light",
+        "light that is dispersed on its way in all colours",
+        CHAIN,
+        (("ray = meet_dispersion(scene, surface, ray, met)", "pass"),),
+        f"{HOLES}::test_light_is_dispersed_on_its_way",
+    ),
+    Mutant(
+        "holes that let all light through",
+        CHAIN,
+        (("beta * open_share(scene, surface, straight)", "beta"),),
+        SHARES,
+    ),
+    Mutant(
+        "a mirror's lobe whatever its share",
+        "bsdfs/specular.py",
+        (("pdf=where(fine, found.pdf * share, 0.0)", "pdf=where(fine, found.pdf, 0.0)"),),
+        SHARES,
+    ),
+    Mutant(
+        "events of the first model, whichever it was",
+        "bsdfs/specular.py",
+        (("(wanted >> KIND_BITS) == i", "wanted * 0 == i"),),
+        SHARES,
+    ),
+    Mutant(
+        "caustics of holes alone",
+        CHAIN,
+        (("ends = turned & turns(passed)", "ends = turned"),),
+        SHARES,
+    ),
+    Mutant(
+        "lamps seen through holes as caustics that count already",
+        "integrators/caustics/manifold_sampling.py",
+        (("turns(path.chain.type)", "(path.chain.type.count > 0)"),),
+        f"{GLASS}[behind clear glass with holes]",
+    ),
+    Mutant(
+        "leaves as events of paths, but not of chains",
+        CHAIN,
+        (("longer = where(passed, chain, longer)", "pass"),),
+        f"{GLASS}[behind leaves]",
+    ),
+    Mutant(
+        "edges through holes for nothing",
+        CHAIN,
+        (("where(edges <= plan.most, light,", "where(edges < 99, light,"),),
+        f"{HOLES}::test_holes_are_edges_of_paths",
     ),
     Mutant(
         "the plane of an ellipse fans out by the square of the cosine",

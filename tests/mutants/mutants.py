@@ -1,6 +1,7 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.beyond_examples import BEYOND_EXAMPLES
 from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
 from tests.mutants.cluster import CLUSTER
@@ -40,6 +41,7 @@ from tests.mutants.training import TRAINING
 from tests.mutants.transport import TRANSPORT
 from tests.mutants.turned import TURNED
 from tests.mutants.view import VIEW
+from tests.mutants.walks import WALKS
 from tests.mutants.waves import WAVES
 
 MUTANTS = (
@@ -74,6 +76,7 @@ MUTANTS = (
     + LAWS
     + WAVES
     + MANIFOLDS
+    + WALKS
     + GUIDING
     + TRAINING
     + FORMATS
@@ -86,4 +89,5 @@ MUTANTS = (
     + EVERYDAY
     + FOREIGN
     + LAID_DOWN
+    + BEYOND_EXAMPLES
 )

@@ -1,7 +1,8 @@
 """Which tests concern a file of the package, the most telling first.
 
-First those that import the file itself, then the folders of tests that stand for its part of the
-package, the cheapest first: closed-form values and the NumPy twin before whole pictures.
+First those that import the file itself or have the name of its folder, then the folders of tests
+that stand for its part of the package, the cheapest first: closed-form values and the NumPy twin
+before whole pictures.
 """
 
 from __future__ import annotations
@@ -15,23 +16,29 @@ FOLDERS = {
     "accel": "accel shapes motion scene images",
     "bsdfs": "unit sampling physics edges laws estimators extension rendering fuzz images",
     "cameras": "cameras laws unit motion rendering images",
+    "compiled": "compiled scene lights motion shapes estimators",
     "core": "unit lanewise core sampling shapes samplers lights textures media physics motion "
     "accel images",
     "films": "film metrics known_error rendering outputs",
     "filters": "filters laws cameras film images",
+    "formats": "formats meshes scene shapes textures",
     "guiding": "guiding estimators rendering media images",
     "integrators": "estimators media rendering lights physics edges motion laws fuzz images",
     "lab": "lab metrics",
     "laws": "laws extension sampling physics edges lights samplers textures media",
     "lights": "lights edges laws media motion rendering scene fuzz images",
     "media": "media laws estimators edges motion fuzz images",
+    "meshes": "meshes formats scene shapes",
     "metrics": "metrics known_error lab",
     "options": "options scene rendering known_error",
+    "outputs": "outputs film textures rendering view lab",
     "phases": "media laws sampling edges extension images",
     "rendering": "known_error film rendering metrics lab",
     "samplers": "samplers core estimators rendering images",
+    "scene": "scene motion shapes formats media physics lights",
     "shapes": "shapes laws unit accel sampling lights edges motion images",
     "textures": "textures laws edges physics sampling images",
+    "tone_curves": "outputs film view",
     "view": "view outputs rendering",
 }
 
@@ -47,7 +54,9 @@ def select_tests(root: Path, file: str) -> tuple[list[str], list[str]]:
         for path in (root / "tests").rglob("test_*.py")
         if path.relative_to(root / "tests").parts[0] not in ELSEWHERE
     )
-    near = [path for path in files if module in _imports(root, path)]
+    # Readers of one format have a folder of tests, which call them by the names of files.
+    own = root / "tests" / Path(file).parent if file.count("/") > 1 else None
+    near = [path for path in files if module in _imports(root, path) or path.parent == own]
     folders = FOLDERS[file.partition("/")[0]].split()
     far = [
         path

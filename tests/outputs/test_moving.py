@@ -2,6 +2,7 @@
 
 import struct
 import weakref
+import zlib
 
 import numpy as np
 import pytest
@@ -31,6 +32,38 @@ def test_apng_keeps_frames_that_are_alike_and_their_exact_time(tmp_path):
     data = path.read_bytes()
     delays = [data[i + 24 : i + 28] for i in range(len(data)) if data[i : i + 4] == b"fcTL"]
     assert delays == [struct.pack(">HH", 1, 24)] * 3
+
+
+def test_every_chunk_of_an_apng_says_what_the_standard_asks(tmp_path):
+    """PNG, third edition, 11.3.6, field by field, by a reader of our own."""
+    wide, path = [frame[:5, :7] for frame in frames(3, 16, 16)], tmp_path / "a.apng"
+    with MovingFile(path, 30, 3) as film:
+        for frame in wide:
+            film.add(frame)
+    data, at, chunks = path.read_bytes(), 8, []
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    while at < len(data):
+        (size,) = struct.unpack_from(">I", data, at)
+        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + size]
+        (check,) = struct.unpack_from(">I", data, at + 8 + size)
+        assert check == zlib.crc32(kind + body)
+        chunks.append((kind, body))
+        at += 12 + size
+    kinds = [kind for kind, _ in chunks]
+    kinds.remove(b"sRGB")
+    assert kinds == [b"IHDR", b"acTL", b"fcTL", b"IDAT", *[b"fcTL", b"fdAT"] * 2, b"IEND"]
+    said = dict(reversed(chunks))
+    # 8 bits of red, green and blue, not interlaced.
+    assert struct.unpack(">IIBBBBB", said[b"IHDR"]) == (7, 5, 8, 2, 0, 0, 0)
+    # Three frames, shown again and again.
+    assert struct.unpack(">II", said[b"acTL"]) == (3, 0)
+    numbers = []
+    for kind, body in chunks:
+        if kind in (b"fcTL", b"fdAT"):
+            numbers += struct.unpack_from(">I", body)
+        if kind == b"fcTL":
+            assert struct.unpack(">IIIIHHBB", body[4:]) == (7, 5, 0, 0, 1, 30, 0, 0)
+    assert numbers == [*range(5)]
 
 
 def test_frames_do_not_wait_in_memory_for_the_end(tmp_path):

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.adapters.normal_map import NormalMap
 from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.disney.principled import Principled
 from alight.laws.check import CHECKS
-from alight.laws.materials import Material
+from alight.laws.materials import Material, random_numbers
 from alight.laws.report import Report
 from alight.laws.statistics import unit_vectors
 from alight.textures.bitmap import Bitmap
@@ -45,6 +46,38 @@ def test_without_a_map_a_flat_coat_is_the_usual_one(below):
     np.testing.assert_allclose(
         values(Principled(**below, **COAT, clearcoat_normal=FLAT), wo, wi), usual, atol=2e-5
     )
+
+
+@pytest.mark.parametrize("below", BELOW.values(), ids=BELOW)
+def test_a_flat_coat_is_sampled_as_the_usual_one(below):
+    """The same numbers choose the same lobes and, in whichever frame, the same directions."""
+    wo, u = upper(400, 1), random_numbers(400, 3)
+    usual, flat = (
+        Material(Principled(**below, **COAT, **own)).sample(wo, u)
+        for own in ({}, {"clearcoat_normal": FLAT})
+    )
+    sent = (usual[2] > 0.0) & (flat[2] > 0.0)
+    assert sent.sum() > 300
+    # A coat is round, so where its base is turned the same numbers may turn its facets besides.
+    for found, wanted in zip(flat, usual, strict=True):
+        close = np.isclose(found, wanted, rtol=2e-3, atol=2e-5)
+        assert close[..., sent].mean() > (0.8 if "anisotropy" in below else 0.97)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_maps_around_others_do_as_before_beside_such_a_coat(side):
+    """What passes a surface is not faded, what it reflects is."""
+    wo, wi = upper(400, 1), upper(400, 2) * np.float32([[1.0], [1.0], [side]])
+    u = random_numbers(400, 5)
+    through = Principled(transmission=1.0, thin=True, roughness=0.5)
+    alone = Material(mapped(through))
+    coated = Principled(**BLACK, **COAT, clearcoat_normal=FLAT)
+    beside = Material(Blend(weight=0.0, bsdfs=(mapped(through), coated)))
+    assert np.abs(alone.evaluate(wo, wi)[0]).max() > 0.01
+    pairs = [*zip(beside.evaluate(wo, wi), alone.evaluate(wo, wi), strict=True)]
+    pairs += zip(beside.sample(wo, u), alone.sample(wo, u), strict=True)
+    for found, wanted in pairs:
+        np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-5)
 
 
 @pytest.mark.parametrize("below", BELOW.values(), ids=BELOW)

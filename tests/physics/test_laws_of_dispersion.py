@@ -79,6 +79,8 @@ def refusal(place, integrator):
     try:
         scene_with(place, integrator)
     except SceneError as error:
+        # It is the integrator that is to be another one.
+        assert [issue.path for issue in error.issues] == ["integrator"]
         return re.search("does not see that materials disperse light", str(error))[0]
     return ""
 

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from alight.options.animation import AnimationOptions
 from alight.rendering import animation
 from alight.rendering.animation import Animation, numbered
 from alight.rendering.executors import blocks
+from alight.rendering.schedules.passes import PASS_SECONDS
 from alight.scene.flatten import flatten, place_camera
 
 SMALL = {"size": (8, 8), "spp": 1, "threads": 1}
@@ -70,9 +72,10 @@ def test_frames_lie_between_the_frames_before_and_after():
         assert camera.shutter == pytest.approx((number / 10, (number + 0.5) / 10))
 
 
-def test_a_turntable_goes_once_around_the_middle_of_the_scene():
+@pytest.mark.parametrize("frames", ["0:4", "3:7"])
+def test_a_turntable_goes_once_around_the_middle_of_the_scene(frames):
     scene = alight.load(([[9, 0, 0], [11, 0, 0], [10, 2, 0], [10, 0, 1]], [[0, 1, 2], [0, 1, 3]]))
-    made = Animation(scene, AnimationOptions(frames="0:4", turntable=True, output="f.gif"))
+    made = Animation(scene, AnimationOptions(frames=frames, turntable=True, output="f.gif"))
     seen = np.array([place_camera(made.scene_of(n)).to_world for n in made.numbers])
     assert np.allclose(seen[0], place_camera(scene).to_world)
     around = seen[:, :3, 3] - [10.0, 1.0, 0.5]
@@ -82,6 +85,16 @@ def test_a_turntable_goes_once_around_the_middle_of_the_scene():
     # It looks at the same place from everywhere.
     local = np.linalg.inv(seen) @ [10.0, 1.0, 0.5, 1.0]
     assert np.allclose(local, local[0], atol=1e-5)
+
+
+def test_frames_after_the_first_have_passes_as_long_as_they_should_be():
+    """Four times those of a picture alone."""
+    made = Animation(alight.load("cornell-box"), AnimationOptions(frames="0:2", output="f.gif"))
+    # 5 million samples a second for pictures of 20 000 pixels.
+    film = SimpleNamespace(crop=(7, 9, 200, 100), stats={"msamples_per_s": 5.0})
+    made._note_pace(film)
+    [(name, spp)] = made._pace.items()
+    assert name == "spp_per_pass" and spp == pytest.approx(1000 * PASS_SECONDS, abs=0.5)
 
 
 def test_lamps_are_not_what_a_turntable_turns_about():

@@ -53,6 +53,17 @@ def test_passes_render_every_missing_sample_once():
     assert film.cells[window].size == 8
 
 
+@pytest.mark.parametrize("alike", [True, False])
+def test_the_gaps_of_cells_whether_or_not_they_are_alike(alike):
+    film = Film(24, 8, crop=(8, 0, 16, 8))
+    held = SampleRanges([(0, 3)])
+    film.cells[0] = [SampleRanges(), held, held if alike else SampleRanges([(0, 5)])]
+    work = Work(Goal(np.zeros((1, 3), int), np.full((1, 3), 8)), film)
+    # What lies outside of the crop is not rendered.
+    assert work.next.tolist() == [[0, 3, 3 if alike else 5]]
+    assert work.end.tolist() == [[0, 8, 8]]
+
+
 def test_cells_that_lack_less_end_together_with_the_others():
     film = Film(16, 8)
     work = Work(Goal(np.zeros((1, 2), int), np.array([[10, 100]])), film)

@@ -41,7 +41,8 @@ def texts(integrator, light, bsdf, **keys):
     [
         ("path", {}, "no path finds them"),
         ("path", {"caustics": "manifold"}, "where walks do not cover them"),
-        ("bidirectional", {}, "seen in mirrors"),
+        ("bidirectional", {}, "are missing where they are seen in mirrors"),
+        ("light", {}, "what is seen in mirrors and through clear glass is missing"),
     ],
 )
 def test_caustics_of_lights_without_a_size_are_told(integrator, keys, words, bsdf, light):

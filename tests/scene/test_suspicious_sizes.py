@@ -16,8 +16,9 @@ def warnings_of(**nodes):
     return compile_scene(flatten(scene)).warnings
 
 
-def cube(place, size=1.0):
-    return {"shape": "cube", "transform": [{"scale": size}, {"translate": [place, 0, 0]}]}
+def cube(place, size=1.0, axis=0):
+    where = np.roll([place, 0.0, 0.0], axis).tolist()
+    return {"shape": "cube", "transform": [{"scale": size}, {"translate": where}]}
 
 
 def mesh(size, place=0.0):
@@ -25,9 +26,14 @@ def mesh(size, place=0.0):
     return {"shape": {"type": "mesh", "vertices": vertices, "faces": FACES}}
 
 
-@pytest.mark.parametrize("node", [cube(1e5), mesh(1.0, 1e5), cube(1e2, 1e-3)])
+@pytest.mark.parametrize(
+    "node",
+    [cube(1e5), cube(-1e5), cube(1e5, axis=1), cube(-1e5, axis=2), mesh(1.0, 1e5), cube(1e2, 1e-3)],
+)
 def test_what_is_far_away_for_its_size_is_rounded(node):
-    (text,) = warnings_of(near=cube(10.0), far=node)
+    texts = warnings_of(near=cube(10.0), far=node)
+    assert len(texts) == 1, texts
+    text = texts[0]
     assert text.startswith("far: 1")
     assert "m from the origin" in text
 
@@ -38,6 +44,14 @@ def test_the_share_is_what_float32_does_to_it():
     places = 1e6 + np.random.default_rng(0).uniform(0.0, 1.0, 20000)
     worst = np.abs(places.astype(np.float32).astype(float) - places).max()
     assert told == pytest.approx(2.0 * worst, rel=0.02)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_the_longest_side_is_the_size_of_a_shape(axis):
+    """A long and thin rod is told where one as long as it is thick would be, and no earlier."""
+    sides = np.roll([1e3, 1.0, 1.0], axis)
+    assert not warnings_of(rod=mesh(sides, 1e6))
+    assert warnings_of(rod=mesh(1.0, 1e6))
 
 
 def test_several_are_told_in_one_line():

@@ -12,10 +12,10 @@ STRAND = {
 }
 
 
-def flat(integrator, bsdf):
+def flat(integrator, bsdf, **others):
     return flatten(alight.load({
         "camera": {}, "integrator": {"type": integrator}, "environment": {"type": "constant"},
-        "nodes": {"hair": {"shape": STRAND, "bsdf": {"type": bsdf}},
+        "nodes": {**others, "hair": {"shape": STRAND, "bsdf": {"type": bsdf}},
                   "ball": {"shape": "sphere", "bsdf": {"type": "dielectric"}}},
     }))  # fmt: skip
 
@@ -25,6 +25,15 @@ def flat(integrator, bsdf):
 def test_light_paths_refuse_it(integrator, bsdf):
     with pytest.raises(alight.SceneError, match=rf"strands.*\(hair: {bsdf}\): use path"):
         flat(integrator, bsdf)
+
+
+def test_strands_are_looked_at_beyond_the_first():
+    said = ""
+    try:
+        flat("light", "hair", wire={"shape": STRAND, "bsdf": {"type": "diffuse"}})
+    except alight.SceneError as error:
+        said = str(error)
+    assert "hair: hair" in said
 
 
 @pytest.mark.parametrize(("integrator", "bsdf"), [("path", "hair"), ("bidirectional", "diffuse")])

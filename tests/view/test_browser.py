@@ -37,7 +37,7 @@ def test_every_control_of_a_scene(browser):
         middle = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
 
         page.mouse.click(*middle)
-        page.click("#tabs >> text=Inspect")
+        # Where its values are is opened.
         page.wait_for_selector("#pixel tr >> nth=3")
         assert "standard error" in page.inner_text("#pixel")
 

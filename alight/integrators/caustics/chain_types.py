@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import namedtuple
 
 from alight.bsdfs import dirac
-from alight.bsdfs.flags import DELTA_AND_SMOOTH
+from alight.bsdfs.flags import DELTA_AND_SMOOTH, REFLECTION
+from alight.bsdfs.specular import EVENT_BITS
 from alight.bsdfs.switch import models_of
 from alight.lights.targets import has_targets
 from lanewise.jit import kernel
@@ -13,10 +14,11 @@ from lanewise.simd import lanes_mask, lanes_u32, lanes_vec3
 
 #: Longest chain that is looked for: a glass ball in another one has four surfaces.
 MOST_EVENTS = 6
-#: Bits of `Type.events` an event, which is `REFLECTION` or `TRANSMISSION`.
-EVENT_BITS, EVENT_MASK = 2, 3
+#: The lowest bit of each event.
+EACH = sum(REFLECTION << (EVENT_BITS * i) for i in range(MOST_EVENTS))
 
-#: What a chain does at its surfaces, u32 each; the first event is in the lowest bits.
+#: What a chain does at its surfaces, u32 each; the first event (`alight.bsdfs.specular`) is in the
+#: lowest bits. Surfaces that are holes and nothing else, or matte beside them, are no events.
 Type = namedtuple("Type", "events count")
 
 #: The chain that a path has followed since it was last scattered. o, d: Vec3, its first ray; type:
@@ -43,6 +45,12 @@ def no_chain():
 
 
 @kernel
-def with_event(type, kind):
+def with_event(type, event):
     """The type with one more event."""
-    return Type(type.events | (kind << (EVENT_BITS * type.count)), type.count + 1)
+    return Type(type.events | (event << (EVENT_BITS * type.count)), type.count + 1)
+
+
+@kernel
+def turns(type):
+    """Mask: something in a chain reflects or transmits the light; holes alone cast no caustics."""
+    return ((type.events ^ (type.events >> 1)) & EACH) != 0

@@ -39,6 +39,7 @@ from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.core.maths import pow
 from alight.core.rng import sample_keys
 from alight.core.vec import absolute_vec3, max_component
+from alight.integrators.caustics.chain_types import turns
 from alight.integrators.caustics.manifold_search import PAIRS, Begin, Search, search_lamps
 from alight.integrators.caustics.manifold_walk import place_near
 from alight.integrators.interiors.body_walk import enters_body
@@ -82,8 +83,8 @@ LONG, LONG_POWER = 1 << 16, 1.5
 ROOM = 16
 
 #: What repeated searches need. search: `Search`; type: `Type`; w: Vec3; most: M; stop: float,
-#: where roulette ends; sampler: that of the path, for its time.
-Trial = namedtuple("Trial", "search type w most stop sampler")
+#: where roulette ends.
+Trial = namedtuple("Trial", "search type w most stop")
 
 
 @kernel
@@ -112,6 +113,15 @@ def _is_taken(trial, search, result):
 
 
 @kernel
+def _is_kept(accept, drawn, most):
+    """Mask: a direction counts, of all that are drawn with a density as if `most` was the largest.
+
+    accept: uniform in [0, 1); drawn: the density with which it was.
+    """
+    return accept * drawn < minimum(drawn, most)
+
+
+@kernel
 def _going_on(number):
     """With which probability search `number` is made."""
     ratio = LONG / maximum(to_float(number), LONG)
@@ -133,7 +143,7 @@ def write_add_caustics(listeners, guided=False):
         """One search a lane; then its repetitions, by all lanes for one after the other."""
         depth, rays = path.depth + 1, path.rays
         shining = surface.light != 0
-        given = (left | (active & shining)) & path.chain.known & (path.chain.type.count > 0)
+        given = (left | (active & shining)) & path.chain.known & turns(path.chain.type)
         stream = _stream(path)
         # One more surface and the lamp.
         looking = active & ~shining & (depth + 1 < settings.max_depth)
@@ -148,16 +158,18 @@ def write_add_caustics(listeners, guided=False):
         covered = lanes_mask(False)
         if any_lane(given | looking):
             factor, total = lanes_vec3(0.0), lanes(0.0)
-            number, made = lanes_u32(0), lanes(0.0)
+            number, made, edges = lanes_u32(0), lanes(0.0), lanes_u32(0)
             first = lanes_u32(OWN_PAIRS)
+            arrived = meet_dispersion(scene, surface, path, looking)
             search = Search(
                 surface=surface, wo=wo, d=path.d, bodies=path.bodies, target=target, stream=stream,
-                first=first,
+                monochromatic=arrived.monochromatic, sampler=path.sampler, first=first,
+                most=lanes_u32(0) + settings.max_depth - depth,
             )  # fmt: skip
             begin = Begin(
                 looking, given, lanes_mask(False), path.chain.o, path.chain.d, path.chain.type
             )
-            trial = Trial(search, path.chain.type, path.chain.d, lanes(0.0), stop, path.sampler)
+            trial = Trial(search, path.chain.type, path.chain.d, lanes(0.0), stop)
             memory = local_records(ROOM, trial)
             seen, repeating, going, waiting, mine = scene, False, True, 0, trial
             while going:
@@ -186,38 +198,36 @@ def write_add_caustics(listeners, guided=False):
                     most = SLACK * density
                     _, drawn = place_near(result.first, w)
                     accept, _ = step_numbers(stream, first + (PAIRS - 1))
-                    lit = looking & holds & (accept * drawn < minimum(drawn, most))
+                    lit = looking & holds & _is_kept(accept, drawn, most)
                     lit = lit & (max_component(result.found) > 0.0)
-                    lit = lit & (depth + result.type.count < settings.max_depth)
                     lit = lit & ~enters_body(scene, surface, w)
                     if any_lane(lit):
                         f_cos, _ = evaluate_bsdf(scene, surface, wo, to_local(surface, w), lit)
                         per_search = 1.0 / (probability * chosen * where(lit, most, 1.0))
-                        beta = meet_dispersion(scene, surface, path, lit).beta
-                        factor = beta * f_cos * result.found * per_search
+                        factor = arrived.beta * f_cos * result.found * per_search
                         lit = lit & (max_component(absolute_vec3(factor)) > 0.0)
                         factor = where(lit, factor, lanes_vec3(0.0))
                     waiting, repeating = mask_bits(lit), True
-                    mine = Trial(search, result.type, w, most, stop, path.sampler)
+                    edges = result.edges
+                    mine = Trial(search, result.type, w, most, stop)
                 going = waiting != 0
                 if going:
                     # All lanes search for one.
                     put_records(memory, ROOM, 0, lane_index() * 0 + trailing_zeros(waiting), mine)
                     trial = records_at(memory, ROOM, 0, mine)
                     search, begin = _again(trial, number)
-                    seen = at_times_of(scene, trial.sampler)
+                    seen = at_times_of(scene, trial.search.sampler)
             light = factor * total
             path = gather_light(path, light, looking, lanes_mask(False))
             if guided:
                 # Searches follow no guide.
                 path = gather_unguided(path, light, looking)
             if recorded:
-                edges = depth + mine.type.count + 1
                 as_hit = replace(path, delta=lanes_mask(True))
                 # What is around the scene is known by its last light.
                 last = lanes_u32(scene.lights.info.size // INFO)
                 row = where(target.far & ~target.delta, last, lamp + 1)
-                find(scene, as_hit, row, edges, looking & (total > 0.0), light)
+                find(scene, as_hit, row, depth + edges, looking & (total > 0.0), light)
         return replace(path, rays=rays), covered
 
     return add_caustics

@@ -71,17 +71,18 @@ AIMED, CASTING = 0.45, 0.2
 LEAST_TURN = 1e-7
 
 #: What is looked for, and from where. surface, wo: as of `sample_bsdf`; d, bodies: the ray that
-#: has come there, and the `Bodies` that it came in, or (); target: `Target`; stream: `Stream`;
-#: first: u32, the first pair of the search.
-Search = namedtuple("Search", "surface wo d bodies target stream first")
+#: has come there, and the `Bodies` that it came in, or (); monochromatic, sampler: of the path
+#: there; target: `Target`; stream: `Stream`; first: u32, the first pair of the search; most: u32,
+#: edges of chains that are worth it.
+Search = namedtuple("Search", "surface wo d bodies monochromatic sampler target stream first most")
 
 #: How a search begins. seed, given: masks; once: mask, the first solution is all; o, w: Vec3, ray
 #: of those that are given; type: `Type`, of those that are given, and asked for `once`.
 Begin = namedtuple("Begin", "seed given once o w type")
 
 #: What it has found. first, second: `Solution`; type; w: Vec3, the direction that was drawn; found:
-#: Vec3, as of `Followed`; rays.
-Result = namedtuple("Result", "first second type w found rays")
+#: Vec3, and edges, as of `Followed`; rays.
+Result = namedtuple("Result", "first second type w found edges rays")
 
 
 @kernel
@@ -132,7 +133,7 @@ def search_lamps(scene, search, begin):
     walker = replace(no_walker(), middle=w)
     first, second = no_solution(), no_solution()
     type, found = begin.type, lanes_vec3(0.0)
-    drawn, late, rays = w, begin.given, 0
+    drawn, late, rays, edges = w, begin.given, 0, lanes_u32(0)
     target = search.target
     distance = maximum(length(way_to(target, o)), 1e-20)
     size = 0.5 * radius_at(target, distance) / distance
@@ -146,9 +147,11 @@ def search_lamps(scene, search, begin):
         u = walker.u + where(trying, walker.share * walker.du, where(at_u, h, 0.0))
         v = walker.v + where(trying, walker.share * walker.dv, where(at_v, h, 0.0))
         w = direction_at(walker, u, v)
-        plan = Plan(type, stage == SEED, stage == HIT, search.stream, search.first + OWN_PAIRS)
+        first_pair = search.first + OWN_PAIRS
+        plan = Plan(type, stage == SEED, stage == HIT, search.stream, first_pair, search.most)
         around = bodies_beyond(scene, search.bodies, search.surface, search.d, w)
-        seen = follow(scene, Start(o, w, around), target, plan, stage != ENDED)
+        start = Start(o, w, around, search.monochromatic, search.sampler)
+        seen = follow(scene, start, target, plan, stage != ENDED)
         rays += seen.rays
         fine, going = seen.fine, lanes_mask(False)
 
@@ -160,6 +163,7 @@ def search_lamps(scene, search, begin):
         type = where(starts & fine, seen.type, type)
         hits = stage == HIT
         found = where(hits & fine, seen.found, found)
+        edges = where(hits & fine, seen.edges, edges)
         begun = (starts & wanted) | (stage == GIVEN)
         begun = fine & (begun | (hits & (max_component(seen.found) > 0.0)))
         walker = where(begun, starting_at(w, seen.miss), walker)
@@ -210,4 +214,6 @@ def search_lamps(scene, search, begin):
         next_stage = where(draws, lanes_u32(HIT), next_stage)
         late = late | hits
         stage = where(stage == ENDED, stage, next_stage)
-    return Result(first=first, second=second, type=type, w=drawn, found=found, rays=rays)
+    return Result(
+        first=first, second=second, type=type, w=drawn, found=found, edges=edges, rays=rays
+    )

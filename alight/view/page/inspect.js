@@ -7,6 +7,13 @@ const figure = (n) => (n === null ? "–" : n === 0 ? "0" : Math.abs(n) < 1e-3 |
   ? n.toExponential(1) : String(Number(n.toPrecision(3))));
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
 
+// Three numbers, or the one that all are.
+const colour = (numbers) => [...new Set(numbers.map(figure))].length === 1
+  ? figure(numbers[0]) : numbers.map(figure).join("  ");
+
+// A path of nodes, which may go on in another line behind a slash or a hyphen.
+const broken = (path) => path.split(/(?<=[/-])/).flatMap((part) => [part, document.createElement("wbr")]);
+
 function drawn(name, keys) {
   const made = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(keys)) made.setAttribute(key, value);
@@ -86,9 +93,9 @@ export class Inspector {
       const words = [vertex.bsdf.replaceAll("_", " "), vertex.lobe].filter(Boolean).join(", ");
       const place = document.createElement("span"), told = document.createElement("small");
       told.textContent = words;
-      place.append(vertex.place, told);
-      return cells("td", String(vertex.depth), place, vertex.contribution.map(figure).join("  "));
-    }), cells("td", "", "in all", message.value.map(figure).join("  ")));
+      place.append(...broken(vertex.place), told);
+      return cells("td", String(vertex.depth), place, colour(vertex.contribution));
+    }), cells("td", "", "in all", colour(message.value)));
   }
 
   // Whether the next drag selects a region.
@@ -120,6 +127,7 @@ export class Inspector {
   askWhy() {
     $("because").hidden = false;
     $("because").textContent = "Measuring; the first time for a scene it compiles a kernel.";
+    $("because").scrollIntoView({ block: "nearest" });
     $("why").disabled = true;
     this.send("why", this.box);
   }
@@ -144,6 +152,7 @@ export class Inspector {
       more.append(head, body);
       return more;
     }));
+    $("because").scrollIntoView({ block: "nearest" });
   }
 
   draw(what, elements) {

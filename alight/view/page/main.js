@@ -98,6 +98,8 @@ const ui = {
     if (!pixel) return;
     picture.mark(pixel);
     inspector.at(pixel);
+    // The values of the pixel are there. A tab in which something is being set stays.
+    if (tabs.name === "Render") tabs.open("Inspect");
     send("pixel", pixel);
   },
   trace: () => inspector.trace(0),

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image, PngImagePlugin
 
 from alight.formats import load
+from alight.outputs.wraps import read_wraps
 from tests.formats.usd.stage import TEXTURED, stage_text
 
 pytest.importorskip("pxr")
@@ -72,3 +73,17 @@ def test_black_beyond_the_edges_becomes_their_colour_and_it_is_told(tmp_path, re
     assert read("p.exr", wrapS="black", wrapT="mirror")[0] == ("clamp", "mirror")
     scene = load(tmp_path / "a.usda")
     assert any("wrapS black became clamp" in text for text in scene.source.remarks.warnings)
+
+
+@pytest.mark.parametrize("both", [None, "periodic", "clamp,mirror"])
+@pytest.mark.parametrize("s", [None, "black"])
+@pytest.mark.parametrize("t", [None, "clamp"])
+def test_an_axis_has_its_own_word_or_that_of_both(both, s, t, tmp_path):
+    said = {"wrapmodes": both, "wrapS": s, "wrapT": t}
+    header = {key: word for key, word in said.items() if word is not None}
+    path = tmp_path / "p.exr"
+    OpenEXR.File(header, {"RGB": np.ones((2, 2, 3), np.float32)}).write(str(path))
+    words = {None: ("", ""), "periodic": ("repeat", "repeat"), "clamp,mirror": ("clamp", "mirror")}
+    assert read_wraps(path) == tuple(
+        own or common for own, common in zip((s, t), words[both], strict=True)
+    )
