@@ -77,19 +77,17 @@ class Film:
     recorded : tuple of Bias
         What the renderer knows to be biased, effects as radiance; see `biases`.
     largest_sample : float or None
-        No channel of a sample can be larger; None where that is not known.
+        No channel of a sample can be larger, where that is known.
     by_chance : bool
         Whether no path was led to a light: what no sample has met says nothing of itself then.
     behind_glass : ndarray, shape (n, 6), or None
-        Light that only chance finds, behind clear glass, as a pilot saw it. A row is what a point of
-        the picture sees in one direction: numbers of the point and of its 8x8 pixels of the window,
-        radiance that it adds to the picture (RGB), and the probability of a sample to find it.
+        Of `light_behind_glass`.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
         Times and rates, filled in by the renderer.
     lock : threading.RLock
-        Held while tiles are added and while several planes are read that must belong together.
+        Held while tiles are added, and while planes are read that belong together.
 
     Raises
     ------

@@ -91,7 +91,6 @@ def _text(cap: int) -> str:
 
 def light_beyond(job: Job, cap: int, seed: int) -> Lost:
     """Measure the radiance of longer paths in a few cells of the picture, drawn at random."""
-    film = job.rounds[0]
     tiles, spp = _some_cells(job, seed)
     if dict(job.scene.integrator).get("russian_roulette") == "throughput":
         caps = (cap, UNLIMITED)

@@ -80,7 +80,9 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     Returns
     -------
     (n, 6) float64, or None where there is none
-        `alight.films.Film.behind_glass`.
+        A row is what a point of the picture sees in one direction: numbers of the point and of its
+        8x8 pixels of the window, radiance that it adds to the picture (linear RGB), and the
+        probability q of a sample to find it.
     """
     clear = np.array([is_caster(b) and find_transmissive(b, {}) is not None for b in flat.bsdfs])
     if not is_looked_for(scene, clear):
@@ -144,17 +146,17 @@ def _first_opaque(
     A hit at infinity is none before `end`.
     """
     through = np.zeros(len(end), bool)
+    hit = closest_hits(scene.program, scene.tables, o, d, end)
     for _ in range(_MOST_SURFACES):
-        hit = closest_hits(scene.program, scene.tables, o, d, end)
-        met = np.isfinite(hit.t)
-        bsdf = scene.tables.shapes.info.array.ravel()[hit.shape * INFO + _BSDF]
-        passed = met & clear[np.where(met, bsdf, 0)]
+        bsdf = scene.tables.shapes.info.array[hit.shape * INFO + _BSDF]
+        passed = np.isfinite(hit.t) & clear[bsdf]
         if not passed.any():
             break
         through |= passed
         step = np.where(passed, hit.t * (1 + _BEYOND), 0.0).astype(np.float32)
         o = Vec3(o.x + step * d.x, o.y + step * d.y, o.z + step * d.z)
         end = end - step
+        hit = closest_hits(scene.program, scene.tables, o, d, end)
     return hit, o, through
 
 
