@@ -1,4 +1,4 @@
-"""Many rays against one triangle mesh, from arrays to arrays: for tests, benchmarks and tools."""
+"""Many rays at once, from arrays to arrays: against a scene at rest, or one triangle mesh."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections import namedtuple
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from alight.accel.lists import Accelerator
 from alight.accel.query import intersect_closest, is_occluded
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
+from alight.shapes.hit import Hit
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import (
     LANES,
@@ -64,6 +66,20 @@ def intersect_range(scene, rays, results, begin, end):
         store_lanes(results, n + first, bits_float(prim))
         store_lanes(results, 2 * n + first, hit.u)
         store_lanes(results, 3 * n + first, hit.v)
+
+
+@kernel(strict=True)
+def hits_range(scene, rays, results, begin, end):
+    """Rays begin to end; results: columns of a `Hit`, integers as bits."""
+    n = results.size // 5
+    for first in range(begin, end, LANES):
+        o, d, t_max, there = packet(rays, first, end)
+        hit = intersect_closest(scene, o, d, t_max, there)
+        store_lanes(results, first, hit.t)
+        store_lanes(results, n + first, hit.u)
+        store_lanes(results, 2 * n + first, hit.v)
+        store_lanes(results, 3 * n + first, bits_float(hit.shape))
+        store_lanes(results, 4 * n + first, bits_float(hit.prim))
 
 
 @kernel(strict=True)
@@ -133,6 +149,33 @@ def is_occluded_batch(
 ) -> np.ndarray:
     """(n,) bool: is anything met at 0 < t <= t_max? Parameters as of `intersect_batch`."""
     return _run(occluded_range, bvh, origins, directions, t_max, 1, threads)[0] > 0
+
+
+def closest_hits(program: Any, scene: Any, o: Vec3, d: Vec3, t_max: np.ndarray) -> Hit:
+    """Closest hits in a scene at rest.
+
+    Parameters
+    ----------
+    program, scene
+        Of a `CompiledScene`: its program and its tables.
+    o, d : Vec3 of (n,) float32
+        Metres; t is in units of the direction's length.
+    t_max : (n,) float32
+
+    Returns
+    -------
+    Hit of (n,)
+        In machine code's own bits; t is infinite for a miss.
+    """
+    n = len(t_max)
+    rays = tuple(
+        View(np.ascontiguousarray(a, np.float32))
+        for a in (np.stack([o.x, o.y, o.z], 1), np.stack([d.x, d.y, d.z], 1), t_max)
+    )
+    results = np.zeros((5, -(-n // _PADDING) * _PADDING), np.float32)
+    instantiate(hits_range, program)(scene, rays, View(results), 0, n)
+    t, u, v, shape, prim = results[:, :n]
+    return Hit(t, u, v, shape.view(np.uint32), prim.view(np.uint32))
 
 
 def _run(text, bvh, origins, directions, t_max, columns, threads) -> np.ndarray:

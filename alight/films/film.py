@@ -77,15 +77,17 @@ class Film:
     recorded : tuple of Bias
         What the renderer knows to be biased, effects as radiance; see `biases`.
     largest_sample : float or None
-        No channel of a sample can be larger; None where that is not known.
+        No channel of a sample can be larger, where that is known.
     by_chance : bool
         Whether no path was led to a light: what no sample has met says nothing of itself then.
+    behind_glass : ndarray, shape (n, 6), or None
+        Of `light_behind_glass`.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
         Times and rates, filled in by the renderer.
     lock : threading.RLock
-        Held while tiles are added and while several planes are read that must belong together.
+        Held while tiles are added, and while planes are read that belong together.
 
     Raises
     ------
@@ -131,6 +133,7 @@ class Film:
         self.recorded: tuple[Bias, ...] = ()
         self.largest_sample: float | None = None
         self.shares_paths = self.by_chance = False
+        self.behind_glass: np.ndarray | None = None
         self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
         self.lock = threading.RLock()
@@ -205,6 +208,7 @@ class Film:
         )  # fmt: skip
         film.recorded, film.largest_sample = self.recorded, self.largest_sample
         film.shares_paths, film.by_chance = self.shares_paths, self.by_chance
+        film.behind_glass = self.behind_glass
         return film
 
     def snapshot(self) -> Film:

@@ -93,6 +93,8 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             # Limbs apart: their bytes have nothing in common that could be left out.
             arrays[f"{number}.{name}.high"] = sums[..., 0]
             arrays[f"{number}.{name}.low"] = sums[..., 1]
+        if film.behind_glass is not None:
+            arrays[f"{number}.behind_glass"] = film.behind_glass
         if film.coverage:
             described[-1]["surfaces"] = film.coverage.names
             arrays |= pack_sums(f"{number}.coverage", film.coverage.sums)
@@ -138,6 +140,7 @@ def _unpack(
     film.largest_sample = described.get("largest_sample")
     film.shares_paths = bool(described.get("shares_paths"))
     film.by_chance = bool(described.get("by_chance"))
+    film.behind_glass = arrays.get(f"{number}.behind_glass")
     film.recorded = tuple(Bias.restored(state) for state in described.get("recorded", ()))
     return film
 

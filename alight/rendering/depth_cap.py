@@ -11,9 +11,11 @@ halves begin:
 
 .. math:: A + B + \frac{B q}{1 - q}, \qquad q = B / A
 
-Where light is found by chance alone (a random walk, BSDF sampling), the pilot may have missed what
-is rare and bright. An event that none of its N samples met has a probability below 3 / N with 95 %
-confidence; as bright as the brightest sample, that is added to the standard error.
+Where light is found by chance alone (a random walk, BSDF sampling, a lamp behind clear glass), the
+pilot takes more samples, and may still have missed what is rare and bright. An event that none of
+its N samples met has a probability below 3 / N with 95 % confidence; as bright as the brightest
+sample, that is added to the standard error. So is what N samples are expected to miss of light
+behind glass (`alight.rendering.light_behind_glass`).
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from alight.films.fixed_point import to_float
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
 from alight.integrators.walk import UNLIMITED
+from alight.rendering.light_behind_glass import POINTS
 from alight.rendering.tiles.tile import Scratch, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
 
@@ -41,6 +44,9 @@ _PIXELS, _LEAST, _MOST = 8, 2048, 2**16
 
 #: So many times more where light is found by chance alone.
 _BY_CHANCE = 8
+
+#: How often light behind glass is to be met, in the mean, and the most samples for that.
+_OFTEN, _MOST_FOR_GLASS = 100, 2**17
 
 #: Extra edges along which paths without roulette are followed, twice.
 _FURTHER = 8
@@ -85,9 +91,7 @@ def _text(cap: int) -> str:
 
 def light_beyond(job: Job, cap: int, seed: int) -> Lost:
     """Measure the radiance of longer paths in a few cells of the picture, drawn at random."""
-    film = job.rounds[0]
-    tiles = _some_cells(job, seed)
-    spp = film.replicates
+    tiles, spp = _some_cells(job, seed)
     if dict(job.scene.integrator).get("russian_roulette") == "throughput":
         caps = (cap, UNLIMITED)
     else:
@@ -100,7 +104,7 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
         settings = job.settings._replace(seed=seed, max_depth=limit)
         for i, tile in enumerate(tiles):
             part, _ = render_tile(job.kernels, job.scene, settings, tile, ranges, scratch)
-            # Each replicate of a pixel has one sample.
+            # A replicate of a pixel has one sample, but for the most in small pictures.
             samples = to_float(part.sums[..., :3, :]).mean(axis=3)
             brightest = max(brightest, float(samples.max()))
             sums[i, j] = samples.sum() / spp
@@ -113,9 +117,25 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
     residual = found @ slope - radiance * pixels
     spread = float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1)
     error = math.sqrt(spread) / float(pixels.sum())
-    if job.scene.integrator.finds_light_by_chance:
+    if job.scene.integrator.finds_light_by_chance or job.behind_glass is not None:
         error = math.hypot(error, _RULE_OF_THREE * brightest / (spp * float(pixels.sum())))
-    return Lost(float(radiance), error)
+    return Lost(float(radiance), math.hypot(error, _unmet(job, spp * float(pixels.sum()))))
+
+
+def _enough(behind: np.ndarray) -> int:
+    """Samples that meet nine tenths of the light behind glass often enough."""
+    order = np.argsort(-behind[:, 5])
+    light = np.cumsum(behind[order, 2:5].sum(axis=1))
+    rare = behind[order, 5][np.searchsorted(light, 0.9 * light[-1])]
+    return min(math.ceil(_OFTEN / max(rare, 1e-300)), _MOST_FOR_GLASS) if rare > 0.0 else _MOST
+
+
+def _unmet(job: Job, samples: float) -> float:
+    """Light behind glass that so many samples are not expected to have met, mean radiance."""
+    if job.behind_glass is None:
+        return 0.0
+    light, found = job.behind_glass[:, 2:5], samples * job.behind_glass[:, 5]
+    return float((light.mean(axis=1) * np.exp(-found)).sum()) / POINTS
 
 
 def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
@@ -128,16 +148,20 @@ def _series(found: np.ndarray) -> tuple[float, np.ndarray]:
     return float(a + a * b / (a - b)), np.array([1.0 - (b / (a - b)) ** 2, (a / (a - b)) ** 2])
 
 
-def _some_cells(job: Job, seed: int) -> list[Tile]:
-    """Cells of the picture's window, all equally likely, as tiles of their own."""
+def _some_cells(job: Job, seed: int) -> tuple[list[Tile], int]:
+    """Cells of the picture's window, all equally likely, as tiles of their own; and their spp."""
     film = job.rounds[0]
     x, y, w, h = film.crop
     samples = min(max(w * h // _PIXELS, _LEAST), _MOST)
     if job.scene.integrator.finds_light_by_chance:
         samples *= _BY_CHANCE
+    if job.behind_glass is not None:
+        samples = max(samples, _enough(job.behind_glass))
     rows, columns = cells_of(*film.crop)
     down, across = rows.stop - rows.start, columns.stop - columns.start
-    count = min(math.ceil(samples / (CELL_SIZE**2 * film.replicates)), down * across)
+    count = math.ceil(samples / (CELL_SIZE**2 * film.replicates))
+    more = math.ceil(count / (down * across)) if job.behind_glass is not None else 1
+    count = min(count, down * across)
     chosen = np.random.default_rng(seed).permutation(down * across)[:count]
     tiles = []
     for cell in sorted(chosen.tolist()):
@@ -145,4 +169,4 @@ def _some_cells(job: Job, seed: int) -> list[Tile]:
         top = (rows.start + cell // across) * CELL_SIZE
         right, bottom = min(left + CELL_SIZE, x + w), min(top + CELL_SIZE, y + h)
         tiles.append(Tile(max(left, x), max(top, y), right, bottom))
-    return tiles
+    return tiles, more * film.replicates

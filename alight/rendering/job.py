@@ -131,8 +131,9 @@ class Job:
         largest_sample: float | None = None,
         notes: Sequence[str] = (),
         training: Training | None = None,
+        behind_glass: np.ndarray | None = None,
     ) -> None:
-        self.notes, self.training = list(notes), training
+        self.notes, self.training, self.behind_glass = list(notes), training, behind_glass
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
         self.settings = make_settings(
@@ -169,6 +170,7 @@ class Job:
         film.recorded = depth_cap.unmeasured(scene.integrator) + unfound_light(scene)
         film.largest_sample = self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
+        film.behind_glass = self.behind_glass
         film.shares_paths = scene.integrator.splats
         return film
 

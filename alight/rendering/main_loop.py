@@ -19,12 +19,14 @@ from alight.compiled.recompile import compiled_of
 from alight.compiled.scene import CompiledScene
 from alight.films import Film
 from alight.options.render import RenderOptions
+from alight.rendering import depth_cap
 from alight.rendering.checkpoints.checkpoint import Origin
 from alight.rendering.checkpoints.checkpoint_writer import CheckpointWriter
 from alight.rendering.executors.blocks import Executor
 from alight.rendering.executors.cluster_executor import executor_of
 from alight.rendering.job import Job, Progress
 from alight.rendering.layers import layers_of
+from alight.rendering.light_behind_glass import light_behind_glass
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedules.passes import Pace
 from alight.rendering.schedules.sample_bound import largest_sample
@@ -126,10 +128,13 @@ def job_of(
         )  # fmt: skip
         clock.lap("training")
     replicates = replicates or flat.film.replicates
+    # A promise depends on it, and the measure of a cap.
+    matters = schedule.promises or depth_cap.cap_of(compiled.integrator) is not None
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
         largest_sample=largest_sample(flat, compiled.program.light_tree), notes=flat.notes,
         training=training,
+        behind_glass=light_behind_glass(flat, compiled) if matters else None,
     )  # fmt: skip
 
 

@@ -27,7 +27,9 @@ class Box:
         self.light, self.corner, self.tiles = light, corner, []
         settings = SimpleNamespace(_replace=lambda **changes: SimpleNamespace(**changes))
         scene = SimpleNamespace(integrator=integrator)
-        self.job = SimpleNamespace(rounds=[film], scene=scene, settings=settings, kernels=None)
+        self.job = SimpleNamespace(
+            rounds=[film], scene=scene, settings=settings, kernels=None, behind_glass=None
+        )
         monkeypatch.setattr(depth_cap, "render_tile", self.render)
 
     def render(self, kernels, scene, settings, tile, ranges, scratch):
@@ -108,7 +110,7 @@ def test_one_sample_for_eight_pixels_and_2048_at_least(monkeypatch, name, size, 
         light_beyond(box.job, 3, 1)
         assert len({tile[:4] for tile in box.tiles}) == cells
         return
-    assert len(depth_cap._some_cells(box.job, 1)) == cells
+    assert len(depth_cap._some_cells(box.job, 1)[0]) == cells
 
 
 def test_all_cells_of_the_window_are_looked_at_and_nothing_else(monkeypatch):

@@ -1,6 +1,7 @@
 """All planted bugs, in the order in which they are tried."""
 
 from tests.mutants.agreement import AGREEMENT
+from tests.mutants.behind_glass import BEHIND_GLASS
 from tests.mutants.beyond_examples import BEYOND_EXAMPLES
 from tests.mutants.bodies import BODIES
 from tests.mutants.both_ends import BOTH_ENDS
@@ -66,6 +67,7 @@ MUTANTS = (
     + BODIES
     + TURNED
     + KNOWN_ERROR
+    + BEHIND_GLASS
     + LABORATORY
     + LARGE_PICTURES
     + EDGES

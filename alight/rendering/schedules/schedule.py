@@ -103,6 +103,11 @@ class Schedule(ABC):
         raise OptionError(f"a render by the schedule {self.name} has no fixed number", "spp")
 
     @property
+    def promises(self) -> bool:
+        """Whether it ends at an error that is promised."""
+        return False
+
+    @property
     def total_spp(self) -> float | None:
         """Samples per pixel at the end, as far as they are known: for the progress bar."""
         return None

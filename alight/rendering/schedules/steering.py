@@ -162,6 +162,11 @@ class Steered(Schedule):
         return longer
 
     @property
+    def promises(self) -> bool:
+        """If an error is asked for."""
+        return self.promise is not None
+
+    @property
     def total_spp(self) -> float | None:
         """Known where no error ends the render."""
         return self.spp if self.promise is None else None

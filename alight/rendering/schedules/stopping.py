@@ -176,7 +176,8 @@ def judge(film: Film, promise: Promise) -> Judgement:
     film : Film
     promise : Promise
     """
-    return judge_means(*film.replicate_means(), promise, film.largest_sample, film.by_chance)
+    known = film.largest_sample, film.by_chance, film.behind_glass
+    return judge_means(*film.replicate_means(), promise, *known)
 
 
 def judge_means(
@@ -185,11 +186,12 @@ def judge_means(
     promise: Promise,
     largest: float | None = None,
     by_chance: bool = False,
+    behind: np.ndarray | None = None,
 ) -> Judgement:
     """Judge as `judge`, from means (h, w, R, 3) and counts (h, w, R) of a film's replicates.
 
     `largest` bounds the value of a sample, if that is known; `by_chance` is whether no path was led
-    to a light.
+    to a light, `behind` what was seen behind glass.
     """
     estimate = estimate_relmse(means, counts)
     if math.isnan(estimate.relmse.high):
@@ -220,10 +222,10 @@ def judge_means(
             means, counts, promise.error * math.sqrt(factor), promise.doubt
         ):
             factor *= 1.1
-    unseen = unseen_error(means, counts, promise.error, largest, by_chance)
+    unseen = unseen_error(means, counts, promise.error, largest, by_chance, behind)
     met = within and unseen.figure <= promise.error
     # What is unseen falls with the samples, not with their root.
-    factor = 1.0 if met else max(factor, unseen.figure / promise.error, 1.0)
+    factor = 1.0 if met else max(factor, unseen.figure / promise.error, unseen.factor)
     return Judgement(
         achieved=achieved,
         share=share,

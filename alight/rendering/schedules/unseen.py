@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.films import CELL_SIZE, Film
+from alight.rendering.light_behind_glass import POINTS
 
 #: With no event among N samples, its probability is below 3 / N with 95 % confidence.
 _RULE_OF_THREE = 3.0
@@ -31,19 +32,24 @@ class Unseen(NamedTuple):
     Attributes
     ----------
     indicator : float
-        If an unseen event is as bright as the largest contribution seen in its cell.
+        If an unseen event is as bright as the largest contribution seen in its cell, and with the
+        light behind glass that no sample is expected to have met.
     bound : float
         If it is as bright as a sample can be; NaN where that is not known.
     doubtful : float
         Share of the picture in whose cells `figure` exceeds the error.
     by_chance : bool, default False
         Whether only the bound counts.
+    factor : float, default 1
+        So many times the samples make light behind glass (`Film.behind_glass`) smaller than the
+        error.
     """
 
     indicator: float
     bound: float
     doubtful: float
     by_chance: bool = False
+    factor: float = 1.0
 
     @property
     def figure(self) -> float:
@@ -54,7 +60,8 @@ class Unseen(NamedTuple):
 
 def unseen_of(film: Film) -> Unseen:
     """`unseen_error` of a film; `doubtful` against an error of 1 %."""
-    return unseen_error(*film.replicate_means(), 0.01, film.largest_sample, film.by_chance)
+    known = film.largest_sample, film.by_chance, film.behind_glass
+    return unseen_error(*film.replicate_means(), 0.01, *known)
 
 
 def unseen_error(
@@ -63,6 +70,7 @@ def unseen_error(
     error: float,
     largest: float | None = None,
     by_chance: bool = False,
+    behind: np.ndarray | None = None,
 ) -> Unseen:
     """Estimate the relRMSE of light that no sample has told of yet.
 
@@ -84,6 +92,9 @@ def unseen_error(
     by_chance : bool, default False
         Whether no path is led to a light. A lamp that no sample has met is then in no contribution
         either, so that the indicator says nothing.
+    behind : ndarray, shape (n, 6), optional
+        `Film.behind_glass`. No sample of a cell has met a light that k n samples find with
+        probability q each, with probability exp(-k n q).
     """
     n = counts.sum(axis=2)
     height, width = n.shape
@@ -108,17 +119,64 @@ def unseen_error(
     samples = np.maximum(cell_sum(n), 1.0)
     pixels = cell_sum(np.ones(n.shape))
     epsilon = (0.1 * total / (3 * n.size)) ** 2
-    scale = (np.stack(bright, axis=1) / pixels) ** 2 + epsilon
+    brightness = np.stack(bright, axis=1) / pixels
+    scale = brightness**2 + epsilon
     weights = pixels / pixels.sum()
     seen = _missing(np.maximum(np.stack(most, axis=1), 0.0), samples, scale)
-    indicator = math.sqrt(float((seen * weights).sum()))
+    hidden = _Hidden(behind, samples, brightness, epsilon)
+    expected = hidden.relmse()
+    indicator = math.sqrt(float((seen * weights).sum()) + float(expected.sum()))
+    factor = hidden.factor(error)
+    dim = float((expected * len(expected) > error**2).mean()) if len(expected) else 0.0
     if largest is None:
-        doubtful = 1.0 if by_chance else float(weights[seen > error**2].sum())
-        return Unseen(indicator, math.nan, doubtful, by_chance)
+        doubtful = 1.0 if by_chance else max(float(weights[seen > error**2].sum()), dim)
+        return Unseen(indicator, math.nan, doubtful, by_chance, factor)
     possible = _missing(np.float64(largest), samples, scale)
     bound = math.sqrt(float((possible * weights).sum()))
     told = possible if by_chance else np.minimum(seen, possible)
-    return Unseen(indicator, bound, float(weights[told > error**2].sum()), by_chance)
+    doubtful = float(weights[told > error**2].sum())
+    if bound > error:
+        doubtful = max(doubtful, dim)
+    return Unseen(indicator, bound, doubtful, by_chance, factor)
+
+
+class _Hidden:
+    """Light behind glass that no sample is expected to have met."""
+
+    def __init__(
+        self,
+        behind: np.ndarray | None,
+        samples: np.ndarray,
+        brightness: np.ndarray,
+        epsilon: float,
+    ) -> None:
+        self.behind, self.epsilon = behind, epsilon
+        if behind is not None:
+            cells = behind[:, 1].astype(int)
+            self.found = samples.ravel()[cells] * behind[:, 5]
+            self.points, first, self.of_row = np.unique(
+                behind[:, 0].astype(int), return_index=True, return_inverse=True
+            )
+            self.brightness = brightness.reshape(3, -1)[:, cells[first]]
+
+    def relmse(self, factor: float = 1.0) -> np.ndarray:
+        """Of each of the pilot's points that sees such light, over all points."""
+        if self.behind is None:
+            return np.zeros(0)
+        missing = np.zeros((3, len(self.points)))
+        unmet = self.behind[:, 2:5] * np.exp(-factor * self.found)[:, None]
+        for channel in range(3):
+            np.add.at(missing[channel], self.of_row, unmet[:, channel])
+        # What is missing is a part of the true brightness.
+        scale = (self.brightness + missing) ** 2 + self.epsilon
+        return (missing**2 / np.maximum(scale, 1e-300)).mean(axis=0) / POINTS
+
+    def factor(self, error: float) -> float:
+        """So many times the samples make it smaller than an error."""
+        factor = 1.0
+        while factor < 1e9 and float(self.relmse(factor).sum()) > error**2:
+            factor *= 1.25
+        return factor
 
 
 def _missing(brightest: np.ndarray, samples: np.ndarray, scale: np.ndarray) -> np.ndarray:

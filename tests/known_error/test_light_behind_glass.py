@@ -1,0 +1,219 @@
+"""Light behind clear glass is known before a sample meets it."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import alight
+from alight.compiled.scene import compile_scene
+from alight.films import CELL_SIZE, Film
+from alight.laws.statistics import LARGEST_Z
+from alight.rendering import depth_cap
+from alight.rendering.depth_cap import light_beyond
+from alight.rendering.light_behind_glass import DIRECTIONS, POINTS, light_behind_glass
+from alight.rendering.main_loop import job_of
+from alight.rendering.schedules.schedule import Uniform
+from alight.rendering.schedules.steering import Steered
+from alight.rendering.schedules.stopping import Promise, judge, judge_means
+from alight.rendering.schedules.unseen import unseen_error
+from alight.scene import flatten
+
+#: Radius and height of the lamp, half of the side that is seen of the floor, metres.
+RADIUS, HEIGHT, SIDE = 0.01, 2.0, 1.0
+RADIANCE, ALBEDO = 1e4, 0.4
+
+
+class Clock:
+    def lap(self, name):
+        pass
+
+
+def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, lamps=1):
+    """A matt floor seen from above, and small lamps above a horizontal pane."""
+    nodes = {
+        "floor": {
+            "shape": "plane",
+            "bsdf": {"type": "diffuse", "reflectance": ALBEDO},
+        },
+        "lamp": {
+            "shape": {"type": "sphere", "radius": RADIUS},
+            "transform": {"translate": [0, 0, HEIGHT]},
+            "light": {"type": "area", "radiance": RADIANCE / lamps},
+        },
+    }
+    for i in range(1, lamps):
+        nodes[f"lamp{i}"] = dict(nodes["lamp"])
+    if pane:
+        nodes["pane"] = {
+            "shape": "rectangle",
+            "bsdf": pane if isinstance(pane, dict) else {"type": pane},
+            "transform": [{"scale": 9.0}, {"translate": [0, 0, 1.5]}],
+        }
+    # Below the pane, so that the floor is seen directly.
+    look = {"origin": [0, 0, 1.4], "target": [0, 0, 0], "up": [0, 1, 0]}
+    film = {"size": list(size)} | ({"crop": list(crop)} if crop else {})
+    return alight.load({
+        "alight": 1, "film": film, "integrator": integrator or {"type": "path"}, "nodes": nodes,
+        "camera": {"type": "orthographic", "height": 2 * SIDE, "transform": {"look_at": look}},
+    })  # fmt: skip
+
+
+def found_in(scene):
+    flat = flatten(scene)
+    return light_behind_glass(flat, compile_scene(flat))
+
+
+def of_floor(x, y):
+    """Radiance of the floor, and the probability of a cosine-distributed path to meet the lamp."""
+    square = x * x + y * y + HEIGHT**2
+    cosine, angle = HEIGHT / np.sqrt(square), math.pi * RADIUS**2 / square
+    return ALBEDO / math.pi * RADIANCE * angle * cosine, angle * cosine / math.pi
+
+
+@pytest.mark.parametrize("lamps", [1, 3])
+def test_the_pilot_sees_what_the_lamp_would_give_without_the_pane(lamps):
+    size = (32, 24)
+    table = found_in(room(lamps=lamps))
+    assert table.shape == (POINTS * DIRECTIONS, 6)
+    # Where in a cell a point lies is not told.
+    across = size[0] // CELL_SIZE
+    cells = table[:, 1].astype(int)
+    pixel = 2 * SIDE / size[1]
+    x = (np.arange(size[0]) + 0.5 - size[0] / 2) * pixel
+    y = (np.arange(size[1]) + 0.5 - size[1] / 2) * pixel
+    light, q = of_floor(*np.meshgrid(x, y))
+    for cell in range(across * size[1] // CELL_SIZE):
+        rows = slice(cell // across * CELL_SIZE, (cell // across + 1) * CELL_SIZE)
+        columns = slice(cell % across * CELL_SIZE, (cell % across + 1) * CELL_SIZE)
+        for values, wanted in ((table[:, 2] * DIRECTIONS, light), (table[:, 5], q)):
+            inside = wanted[rows, columns]
+            mine = values[cells == cell]
+            assert inside.min() * 0.98 < mine.min() and mine.max() < inside.max() * 1.02
+    total = np.bincount(table[:, 0].astype(int), table[:, 3], POINTS)
+    error = total.std() / math.sqrt(POINTS)
+    assert abs(total.mean() - light.mean()) < LARGEST_Z * error
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"pane": None},
+        {"pane": "diffuse"},
+        {"pane": {"type": "rough_dielectric", "alpha": 0.3}},
+        {"pane": "mirror"},
+        {"integrator": {"type": "path", "light_sampling": "bsdf"}},
+        {"integrator": {"type": "random_walk"}},
+        {"integrator": {"type": "path", "caustics": "manifold"}},
+        {"integrator": {"type": "bidirectional"}},
+    ],
+    ids=str,
+)
+def test_nothing_is_found_where_light_is_not_behind_clear_glass_or_paths_are_led_to_it(changes):
+    assert found_in(room(**changes)) is None
+
+
+def test_cells_are_those_of_the_window():
+    table = found_in(room(crop=(5, 9, 17, 10)))
+    assert set(table[:, 1].astype(int)) == set(range(3 * 2))
+
+
+def unseen(behind, *, spp=16, brightness=1.0, error=0.01, largest=None):
+    means = np.full((8, 16, 4, 3), brightness, np.float32)
+    return unseen_error(means, np.full((8, 16, 4), spp // 4), error, largest, behind=behind)
+
+
+def test_what_is_missing_by_its_formula():
+    """Two points in the second cell, of 64 * 16 samples; one sees two lights."""
+    q = np.array([1e-3, 3e-3, 2e-3])
+    light = np.array([[0.1, 0.2, 0.3], [0.4, 0.1, 0.2], [0.2, 0.2, 0.2]])
+    rows = np.column_stack([[7, 9, 9], [1, 1, 1], light, q])
+    unmet = light * np.exp(-1024 * q)[:, None]
+    points = np.stack([unmet[0], unmet[1] + unmet[2]])
+    epsilon = 0.1**2
+    relmse = (points**2 / ((1.0 + points) ** 2 + epsilon)).mean(axis=1).sum() / POINTS
+    found = unseen(rows)
+    assert found.indicator == pytest.approx(math.sqrt(relmse), rel=1e-5)
+    assert found.figure == found.indicator
+    # A bound that is known counts if it is smaller.
+    assert unseen(rows, largest=1e-3).figure < 1e-4
+    assert unseen(rows, spp=64).indicator < found.indicator
+
+
+def test_so_many_more_samples_are_told_that_it_is_met():
+    rows = np.column_stack(
+        [np.arange(POINTS), np.zeros(POINTS), np.ones((POINTS, 3)), np.full(POINTS, 1e-6)]
+    )
+    for error in (0.01, 0.2):
+        factor = unseen(rows, error=error).factor
+        assert unseen(rows, error=error).doubtful == 1.0
+        # The missing share m solves m / sqrt((1 + m)^2 + 0.01) = error.
+        enough = unseen(rows, spp=4 * math.ceil(4 * factor), error=error)
+        assert enough.figure <= error and enough.factor == 1.0
+        few = unseen(rows, spp=4 * math.floor(4 * factor / 1.3), error=error)
+        assert few.figure > error
+
+
+def test_a_picture_that_no_such_light_has_met_is_not_promised():
+    means, counts = np.ones((24, 32, 4, 3), np.float32), np.full((24, 32, 4), 64)
+    behind, asked = found_in(room()), Promise(0.05)
+    # As bright as without the lamp: all agree, and all lack it.
+    brightness = behind[:, 2].sum() / POINTS
+    assert judge_means(means * brightness, counts, asked).met
+    found = judge_means(means * brightness, counts, asked, behind=behind)
+    assert not found.met and 0.4 < found.unseen < 0.6
+    assert found.factor > 10.0
+    # The same light is a small part of a bright picture.
+    assert judge_means(means * brightness * 100.0, counts, asked, behind=behind).met
+
+
+def test_the_table_goes_with_the_film(tmp_path):
+    film = Film(32, 24)
+    film.behind_glass = found_in(room())
+    film.save(tmp_path / "a.alight")
+    assert np.array_equal(Film.load(tmp_path / "a.alight").behind_glass, film.behind_glass)
+    assert film.empty_like().behind_glass is film.behind_glass
+
+
+def job(scene, schedule):
+    flat = flatten(scene)
+    made = compile_scene(flat)
+    return job_of(flat, made, schedule, Clock(), seed=3, threads=1, replicates=4)
+
+
+def test_a_render_looks_for_it_where_something_depends_on_it():
+    wanted = found_in(room())
+    promised = job(room(), Steered(16, 64, Promise(0.1)))
+    assert np.array_equal(promised.rounds[0].behind_glass, wanted)
+    film = promised.rounds[0]
+    film.sums[..., 0] = 1
+    film.counts[:] = 16
+    assert judge(film, Promise(0.1)).unseen > 0.1
+    assert job(room(), Uniform(4, 4)).behind_glass is None
+    capped = room(integrator={"type": "path", "max_depth": 3})
+    assert np.array_equal(job(capped, Uniform(4, 4)).behind_glass, wanted)
+
+
+def test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed(monkeypatch):
+    """No sample meets any light: the light behind glass may be all that is cut off."""
+    asked = []
+
+    def black(kernels, scene, settings, tile, ranges, scratch):
+        h, w = tile.y1 - tile.y0, tile.x1 - tile.x0
+        asked.append(h * w * int(ranges[0, 0, 1]))
+        return SimpleNamespace(sums=np.zeros((h, w, 4, 3, 2), np.int64)), None
+
+    monkeypatch.setattr(depth_cap, "render_tile", black)
+    capped = job(room(integrator={"type": "path", "max_depth": 3}), Uniform(4, 4))
+    capped.kernels = None
+    for q, samples in ((0.05, 2048), (2e-3, 50_000), (1e-9, 2**17)):
+        asked.clear()
+        capped.behind_glass = np.column_stack(
+            [np.arange(9), np.zeros(9), np.full((9, 3), 2.0), np.full(9, q)]
+        )
+        lost = light_beyond(capped, 3, 0)
+        done = sum(asked) / 2
+        assert samples <= done < 1.2 * samples + 4 * 24 * 32
+        assert lost.radiance == 0.0
+        assert lost.error == pytest.approx(9 * 2.0 / POINTS * math.exp(-done * q))
