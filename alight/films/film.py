@@ -61,8 +61,7 @@ class Film:
     surfaces : sequence of (str, str), optional
         Names of every object and of its material, for films that know what covers a pixel.
     scene_hash, seed, options, fingerprint, version
-        What the samples are samples of. Films merge only where all but `version` agree
-        (the fingerprint covers it).
+        Of the samples. Films merge where all but `version`, which the fingerprint covers, agree.
 
     Attributes
     ----------
