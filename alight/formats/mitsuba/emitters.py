@@ -12,7 +12,7 @@ from alight.formats.materials.textures import DARK, GREY_SKY
 from alight.formats.mitsuba.context import Context, Data
 from alight.formats.mitsuba.daylight import sky_and_sun
 from alight.formats.mitsuba.draft import Draft
-from alight.formats.mitsuba.projectors import projector, textured_spot
+from alight.formats.mitsuba.projectors import projector, steps_of_cone, textured_spot
 from alight.formats.mitsuba.properties import COLORS
 from alight.formats.mitsuba.textures import NUMBERS, texture_value
 from alight.formats.mitsuba.transforms import Step, steps_of
@@ -81,7 +81,7 @@ def _directional(light: Draft) -> list[Step]:
 
 
 def _spot(light: Draft) -> list[Step]:
-    steps = steps_of(light.properties)
+    steps = steps_of_cone(light)
     light.color("intensity", 1.0)
     light.number("cutoff_angle", 20.0)
     light.number("beam_width")

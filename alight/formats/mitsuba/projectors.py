@@ -4,17 +4,33 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from alight.formats.mitsuba.draft import Draft
 from alight.formats.mitsuba.properties import COLORS, Properties
-from alight.formats.mitsuba.transforms import Step, steps_of
+from alight.formats.mitsuba.transforms import Step, matrix_of, steps_of
 from alight.formats.reading.reach import OutOfReachError
 from alight.formats.reading.xml import Element
+
+#: Lengths of axes that differ by less are the same.
+_EVEN = 1.001
+
+
+def steps_of_cone(light: Draft) -> list[Step]:
+    """The steps of a light that shines into a cone, which they move and turn, but do not deform."""
+    steps = steps_of(light.properties)
+    lengths = np.linalg.norm(matrix_of(steps)[:3, :3], axis=0)
+    if lengths.max() > _EVEN * lengths.min():
+        light.context.report.warn(
+            light.element, "has an uneven scale, which does not deform its cone here"
+        )
+    return steps
 
 
 def projector(light: Draft) -> list[Step]:
     """Fill in a projector; the steps of its node."""
     p = light.properties
-    steps = steps_of(p)
+    steps = steps_of_cone(light)
     light.number("fov", 45.0)
     p.only("fov_axis", p.text("fov_axis", "x") == "x", "the angle is taken across the width")
     # Mitsuba's projector throws pi times its picture on a screen at distance 1.

@@ -123,6 +123,18 @@ def test_projectors():
     assert light.scale == (2 * math.pi,) * 3
 
 
+@pytest.mark.parametrize("kind", ["spot", "projector"])
+def test_cones_that_a_scale_would_deform(kind):
+    inside = '<texture type="bitmap" name="{}"><string name="filename" value="sky.exr"/></texture>'
+    texture = inside.format("irradiance" if kind == "projector" else "texture")
+    for scale, told in (('value="3"', False), ('x="2" y="0.7" z="1.3"', True)):
+        turn = '<rotate x="1" angle="30"/><translate z="2"/>'
+        to_world = f'<transform name="to_world"><scale {scale}/>{turn}</transform>'
+        scene = read(f'<emitter type="{kind}">{to_world}{texture}</emitter>')
+        warnings = scene.source.remarks.warnings
+        assert [("uneven scale" in text) for text in warnings] == [True] * told
+
+
 def test_spots_with_a_texture():
     body = """<emitter type="spot"><float name="cutoff_angle" value="40"/>
     <texture type="bitmap" name="texture"><string name="filename" value="sky.exr"/></texture>
