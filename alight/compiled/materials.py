@@ -125,7 +125,10 @@ class _Rows:
         if len(found) > 1:
             kinds = MIXED | SPREADS * any(map(_spreads, found))
             lobes = SPECULAR * any(map(_mirrors, found)) | OPEN * any(map(_is_open, found))
-            self.put(_weighing(spec), kinds | lobes)
+            weighing = _weighing(spec)
+            row = self.put(weighing, kinds | lobes)
+            # Its weight is read from there, too.
+            self.numbers.setdefault((weighing, MIXED), row)
             self.used.add(DELTA_AND_SMOOTH)
         else:
             self.put(found[0].bsdf, self.flags(found[0]))

@@ -9,7 +9,7 @@ from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.conductors.conductor import Conductor
 from alight.bsdfs.conductors.mirror import Mirror
 from alight.bsdfs.dispatch import LAYERED_NAME, albedo_bsdf
-from alight.bsdfs.flags import DELTA, NULL
+from alight.bsdfs.flags import DELTA, LAYER, NULL
 from alight.bsdfs.matte.diffuse import Diffuse
 from alight.bsdfs.nesting import MOST_LEAVES, leaves
 from alight.bsdfs.plastics.phong import Phong
@@ -80,8 +80,12 @@ def test_a_part_without_share_leaves_no_trace(weight):
     blend = Material(Blend(weight=weight, bsdfs=parts))
     alone = Material(parts[int(weight)])
     u, wo = random_numbers(N, 3), direction(0.6)
-    for seen, expected in zip(blend.sample(wo, u), alone.sample(wo, u), strict=True):
-        np.testing.assert_allclose(seen, expected, rtol=1e-6)
+    *seen, flags = blend.sample(wo, u)
+    *expected, wanted = alone.sample(wo, u)
+    for one, other in zip(seen, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-6)
+    # Above the bits of what it did is the number of the model that was chosen.
+    assert (flags == wanted | (int(weight) << LAYER)).all()
 
 
 def test_both_orders_of_two_sided_and_blend_are_one_material():
