@@ -15,7 +15,6 @@ from alight.accel.forest import box_of
 from alight.accel.layout import TREE, Bvh
 from alight.accel.lists import Accelerator
 from alight.accel.query import intersect_closest, is_occluded
-from alight.core.constants import INFINITY
 from alight.core.vec import Vec3
 from alight.shapes.hit import Hit
 from lanewise.jit import instantiate, kernel
@@ -52,20 +51,6 @@ def packet(rays, begin, end):
         gather(directions, 3 * i), gather(directions, 3 * i + 1), gather(directions, 3 * i + 2)
     )
     return o, d, gather(t_max, i), lane < end
-
-
-@kernel(strict=True)
-def intersect_range(scene, rays, results, begin, end):
-    """Rays begin to end; results: columns t, triangle (bits), u, v."""
-    n = results.size // 4
-    for first in range(begin, end, LANES):
-        o, d, t_max, there = packet(rays, first, end)
-        hit = intersect_closest(scene, o, d, t_max, there)
-        store_lanes(results, first, hit.t)
-        prim = where(hit.t < INFINITY, hit.prim, 0xFFFFFFFF)
-        store_lanes(results, n + first, bits_float(prim))
-        store_lanes(results, 2 * n + first, hit.u)
-        store_lanes(results, 3 * n + first, hit.v)
 
 
 @kernel(strict=True)
@@ -135,8 +120,8 @@ def intersect_batch(
     u, v : (n,) float32
         Barycentrics b1, b2.
     """
-    t, prim, u, v = _run(intersect_range, bvh, origins, directions, t_max, 4, threads)
-    return t, prim.view(np.int32), u, v
+    t, u, v, _, prim = _run(hits_range, bvh, origins, directions, t_max, 5, threads)
+    return t, np.where(np.isfinite(t), prim.view(np.int32), -1), u, v
 
 
 def is_occluded_batch(
