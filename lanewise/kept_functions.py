@@ -128,8 +128,13 @@ def _types_in(parts: Unlinked) -> Iterator[Any]:
 
 def _pickle(path: Path, parts: tuple, kinds: Iterable[Any]) -> None:
     """Keep a descriptor and what follows it, if the types in it can be read again."""
-    if all(map(comes_back, kinds)):
-        write_kept(path, {}, pickle.dumps(parts))
+    if not all(map(comes_back, kinds)):
+        return
+    try:
+        content = pickle.dumps(parts)
+    except Exception:  # a function of a text without a module, for instance
+        return
+    write_kept(path, {}, content)
 
 
 @cache

@@ -90,7 +90,7 @@ def test_principled_is_finite_where_a_lobe_has_nothing():
 KERNELS = {
     "evaluate": (evaluate_bsdf, lambda wo, wi, u: (wo, wi)),
     "sample": (sample_bsdf, lambda wo, wi, u: (wo, u[0], (u[1], u[2]))),
-    "albedo": (albedo_bsdf, lambda wo, wi, u: ()),
+    "albedo": (albedo_bsdf, lambda wo, wi, u: (wo,)),
 }
 
 

@@ -9,6 +9,7 @@ from alight.bsdfs.flags import DELTA
 from alight.bsdfs.plastics.coating import STEPS, coat_row, diffuse_reflectance
 from alight.bsdfs.plastics.plastic import Plastic
 from alight.bsdfs.plastics.rough_plastic import RoughPlastic
+from alight.core.vec import Vec3
 from alight.textures.checkerboard import Checkerboard
 from alight.textures.constant import Constant
 from lanewise.jit import instantiate
@@ -184,6 +185,6 @@ def test_what_plastic_reflects_at_right_angles_has_a_closed_form():
         Plastic(int_ior=eta, ext_ior=1.0, diffuse_reflectance=0.0, specular_reflectance=TINT)
     )
     albedo = instantiate(albedo_bsdf, material.program, compiled=False)
-    found = albedo(material.scene, material.surface(1), np.ones(1, bool))
+    found = albedo(material.scene, material.surface(1), Vec3(*np.eye(3)[2]), np.ones(1, bool))
     mirrored = ((eta - 1.0) / (eta + 1.0)) ** 2
     np.testing.assert_allclose(np.ravel([found.x, found.y, found.z]), tint * mirrored, rtol=1e-4)

@@ -93,7 +93,8 @@ class Item:
                 self.wrong(key, f"must hold numbers, got {show_value(number)}")
                 return default
             if not low <= number <= high or abs(number) > 1e15:
-                self.wrong(key, f"must hold numbers {_range(low, high)}, got {show_value(number)}")
+                allowed = _range(low, high).removeprefix("a number ")
+                self.wrong(key, f"must hold numbers {allowed}, got {show_value(number)}")
                 return default
         return tuple(float(number) for number in value)
 

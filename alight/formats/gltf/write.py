@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.fields import LARGEST
 from alight.core.spec import Light
 from alight.formats.gltf.places import fits_node, is_skewed, unscaled, unskewed
 from alight.formats.gltf.store import Json, Store
@@ -91,7 +92,9 @@ class _Writer(Store):
         self.add_camera()
 
     def node(self, matrix: np.ndarray, **content: Any) -> None:
-        self.put("nodes", {"matrix": matrix.T.ravel().tolist(), **content})
+        # Products of what is allowed may be too large by their rounding.
+        held = np.clip(matrix, -LARGEST, LARGEST)
+        self.put("nodes", {"matrix": held.T.ravel().tolist(), **content})
 
     def add_shape(self, shape: PlacedShape) -> None:
         kind, to_world = shape.shape.type_name(), shape.to_world
