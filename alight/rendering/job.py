@@ -211,6 +211,9 @@ class Job:
     def restore(self, state: JobState, goal: Goal | None) -> None:
         """Go on from a state: with its goal, or with None, to ask this job's own schedule."""
         self.rounds, self.goal = list(state.rounds), goal
+        for film in self.rounds:
+            # It may have been begun without a promise, for which nobody looked.
+            film.behind_glass = self.behind_glass
         self.rays, self.samples = state.rays, state.samples
         self._earlier = self._restored = state.seconds
 

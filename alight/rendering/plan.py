@@ -28,6 +28,7 @@ from alight.rendering.main_loop import render_film
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.schedules.selection import promise_of
+from alight.rendering.schedules.steering import check_replicates
 from alight.rendering.schedules.stopping import GROWTH, Promise, first_look, judge, next_look
 from alight.scene import Scene
 
@@ -65,6 +66,7 @@ class Pilot(Schedule):
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
         """The next number of samples, until all have been looked at."""
         now, film = time.process_time(), rounds[0]
+        check_replicates(film)
         if self.begin is not None:
             self.passes.append(now - self.begin)
             self.need = judge(film, self.promise).factor
@@ -79,6 +81,11 @@ class Pilot(Schedule):
         spp = film.replicates * math.ceil(PILOT[len(self.seen)] / film.replicates)
         self.begin = time.process_time()
         return Goal.uniform(film, 0, spp)
+
+    @property
+    def promises(self) -> bool:
+        """It looks for what a promise depends on."""
+        return True
 
     def state(self) -> dict[str, Any]:
         """Nothing: a pilot is too short to be saved."""

@@ -39,14 +39,21 @@ def loaded(spec: AnySpec, files: Files) -> AnySpec:
     name = getattr(spec, "file", None) if holds_image(spec) else None
     if name is None:
         return spec
-    return spec.replaced(file=None, pixels=picture(name, files, files.note))
+    # Numbers that are no colours have no primaries.
+    data = getattr(spec, "color_space", "auto") == "linear"
+    return spec.replaced(file=None, pixels=picture(name, files, files.note, data=data))
 
 
 def picture(
-    name: str, files: Files, note: Callable[[str], None] | None = None, path: Path | None = None
+    name: str,
+    files: Files,
+    note: Callable[[str], None] | None = None,
+    path: Path | None = None,
+    *,
+    data: bool = False,
 ) -> Image:
-    """A picture of a scene; see `read_image`, which is called once for each file."""
-    image, notes = files.read(_noted, name, path)
+    """A picture of a scene; see `read_image`, which is called once for each file and use."""
+    image, notes = files.read(_noted_data if data else _noted, name, path)
     if note is not None:
         for text in notes:
             note(text)
@@ -57,6 +64,12 @@ def _noted(path: Path, name: str) -> tuple[Image, list[str]]:
     """A picture, and what had to be changed in it."""
     notes: list[str] = []
     return read_image(path, name, notes.append), notes
+
+
+def _noted_data(path: Path, name: str) -> tuple[Image, list[str]]:
+    """The same of what is no colour."""
+    notes: list[str] = []
+    return read_image(path, name, notes.append, data=True), notes
 
 
 def resolved(spec: AnySpec, textures: Mapping[str, Texture], files: Files) -> AnySpec:
@@ -80,7 +93,13 @@ def with_heights(shape: Shape, textures: Mapping[str, Texture], files: Files) ->
     return resolved(shape, textures, files) if is_displaced(shape) else shape
 
 
-def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = None) -> Image:
+def read_image(
+    path: Path,
+    name: str = "",
+    note: Callable[[str], None] | None = None,
+    *,
+    data: bool = False,
+) -> Image:
     """Read a picture.
 
     Negative light, which lossy compression and changes of the colour space leave behind in many
@@ -94,6 +113,8 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
         How messages call it; names such as ``builtin:sky`` mean computed pictures.
     note : callable, optional
         Called with what had to be changed.
+    data : bool, default False
+        The numbers are no colours: they stay as they are, whatever primaries the file names.
 
     Raises
     ------
@@ -105,7 +126,8 @@ def read_image(path: Path, name: str = "", note: Callable[[str], None] | None = 
         if is_builtin(name):
             texels = builtin_texels(name)
         else:
-            texels = _with_our_primaries(read_texels(path, _check_size), path, name, note)
+            texels = read_texels(path, _check_size)
+            texels = texels if data else _with_our_primaries(texels, path, name, note)
         texels = _without_negative_light(texels, name, note)
         # Nobody else has this array: marked so, it is not copied.
         texels.setflags(write=False)

@@ -14,6 +14,7 @@ from alight.rendering import depth_cap
 from alight.rendering.depth_cap import light_beyond
 from alight.rendering.light_behind_glass import DIRECTIONS, POINTS, light_behind_glass
 from alight.rendering.main_loop import job_of
+from alight.rendering.plan import Pilot
 from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise, judge, judge_means
@@ -30,7 +31,7 @@ class Clock:
         pass
 
 
-def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, lamps=1):
+def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, lamps=1, more=None):
     """A matt floor seen from above, and small lamps above a horizontal pane."""
     nodes = {
         "floor": {
@@ -51,6 +52,7 @@ def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, l
             "bsdf": pane if isinstance(pane, dict) else {"type": pane},
             "transform": [{"scale": 9.0}, {"translate": [0, 0, 1.5]}],
         }
+    nodes |= more or {}
     # Below the pane, so that the floor is seen directly.
     look = {"origin": [0, 0, 1.4], "target": [0, 0, 0], "up": [0, 1, 0]}
     film = {"size": list(size)} | ({"crop": list(crop)} if crop else {})
@@ -112,6 +114,37 @@ def test_the_pilot_sees_what_the_lamp_would_give_without_the_pane(lamps):
 )
 def test_nothing_is_found_where_light_is_not_behind_clear_glass_or_paths_are_led_to_it(changes):
     assert found_in(room(**changes)) is None
+
+
+SHEET = {"shape": "rectangle", "transform": [{"scale": 9.0}, {"translate": [0, 0, 1.45]}]}
+BOX = {"shape": "cube", "transform": [{"scale": 8.0}]}
+
+
+@pytest.mark.parametrize(
+    ("more", "share"),
+    [
+        ({"box": BOX | {"bsdf": {"type": "null"}}}, 1.0),
+        ({"sheet": SHEET | {"bsdf": {"type": "null"}}}, 1.0),
+        ({"sheet": SHEET | {"bsdf": {"type": "mask", "opacity": 0.2}}}, 0.8),
+    ],
+    ids=["camera in a box", "a null sheet", "leaves"],
+)
+def test_holes_let_light_on(more, share):
+    plain = found_in(room())[:, 3].sum()
+    found = found_in(room(more=more))
+    assert found is not None
+    assert found[:, 3].sum() == pytest.approx(share * plain, rel=0.1)
+
+
+@pytest.mark.parametrize("pane", ["principled", "rough_dielectric"])
+def test_glass_that_is_hardly_rough_is_glass_that_spreads_light(pane):
+    of = {
+        "principled": {"type": "principled", "transmission": 1, "roughness": 0, "ior": 1.01},
+        "rough_dielectric": {"type": "rough_dielectric", "alpha": 0.001, "int_ior": 1.01},
+    }
+    smooth, rough = found_in(room()), found_in(room(pane=of[pane]))
+    assert rough[:, 3].sum() == pytest.approx(smooth[:, 3].sum(), rel=0.1)
+    assert np.median(rough[:, 5]) > np.median(smooth[:, 5])
 
 
 def test_cells_are_those_of_the_window():
@@ -193,6 +226,20 @@ def test_a_render_looks_for_it_where_something_depends_on_it():
     assert job(room(), Uniform(4, 4)).behind_glass is None
     capped = room(integrator={"type": "path", "max_depth": 3})
     assert np.array_equal(job(capped, Uniform(4, 4)).behind_glass, wanted)
+
+
+def test_a_render_that_goes_on_to_an_error_looks_for_it():
+    """It was begun without one, and its film holds no table."""
+    begun, goes_on = job(room(), Uniform(4, 4)), job(room(), Steered(16, 64, Promise(0.1)))
+    goes_on.restore(begun.state(), None)
+    assert np.array_equal(goes_on.rounds[0].behind_glass, found_in(room()))
+
+
+def test_plans_look_for_it():
+    assert job(room(), Pilot(Promise(0.1))).rounds[0].behind_glass is not None
+    film = Film(8, 8, replicates=3)
+    with pytest.raises(alight.OptionError, match="from 4 replicates on, got 3"):
+        Pilot(Promise(0.1)).next([film])
 
 
 def test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed(monkeypatch):

@@ -20,14 +20,26 @@ BEHIND_GLASS = (
     Mutant(
         "the sun behind a window as wide as the chance to choose it",
         "rendering/light_behind_glass.py",
-        ((" * _wide(choice.mis_pmf, n) / safe", " / safe"),),
+        (("_wide(choice.mis_pmf, n) / safe", "1.0 / safe"),),
         f"{GLASS}::test_the_pilot_sees_what_the_lamp_would_give_without_the_pane[3]",
     ),
     Mutant(
         "every glass passes for clear",
         "rendering/light_behind_glass.py",
-        (("is_caster(b) and find_transmissive", "find_transmissive"),),
+        (("(pdf > _SHARP)", "(pdf > 0.0 * _SHARP)"),),
         f"{GLASS}::test_nothing_is_found_where_light_is_not_behind_clear_glass_or_paths_are_led_to_it",
+    ),
+    Mutant(
+        "a render that goes on without what its promise asks for",
+        "rendering/job.py",
+        (("self.behind_glass\n        self.rays", "None\n        self.rays"),),
+        f"{GLASS}::test_a_render_that_goes_on_to_an_error_looks_for_it",
+    ),
+    Mutant(
+        "holes that stop light on its way to glass",
+        "rendering/light_behind_glass.py",
+        (("& (hole | bent)", "& bent"),),
+        f"{GLASS}::test_holes_let_light_on[a null sheet]",
     ),
     Mutant(
         "a cap's pilot sure of light behind glass that it did not meet",

@@ -65,7 +65,7 @@ KNOWN_ERROR = (
     Mutant(
         "a promise that replicates without an interval cannot keep",
         "rendering/schedules/steering.py",
-        (("self.promise is not None and film.replicates <", "False and film.replicates <"),),
+        (("if film.replicates < LEAST_FOR_INTERVAL", "if film.replicates < 0"),),
         f"{PROMISES}::test_no_error_is_promised_without_an_interval",
     ),
     Mutant(

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from alight.scene.images import read_image
+from alight.scene.files import Files
+from alight.scene.images import loaded, read_image
+from alight.textures.bitmap import Bitmap
 
 OpenEXR = pytest.importorskip("OpenEXR")
 
@@ -74,3 +76,17 @@ def test_primaries_on_a_line_are_told(tmp_path):
 @pytest.mark.parametrize("chromaticities", [None, SRGB])
 def test_those_of_srgb_are_not(tmp_path, chromaticities):
     assert notes_of(tmp_path, chromaticities) == []
+
+
+def test_numbers_that_are_no_colours_stay_as_they_are(tmp_path):
+    """Of one file, read once for each use."""
+    numbers = np.array([[[0.7, 0.4, 0.95]]], np.float32)
+    read(tmp_path, AP0, numbers)
+    files = Files(tmp_path)
+    data, color = (
+        loaded(Bitmap(file="a.exr", color_space=space), files).pixels.texels
+        for space in ("linear", "auto")
+    )
+    assert np.array_equal(data, numbers)
+    assert np.abs(color - numbers).max() > 0.1
+    assert len(files.notes) == 1

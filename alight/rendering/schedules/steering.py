@@ -65,11 +65,8 @@ class Steered(Schedule):
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
         """First the pilot, then look after look."""
         film = rounds[0]
-        if self.promise is not None and film.replicates < LEAST_FOR_INTERVAL:
-            raise OptionError(
-                f"an error can be promised from {LEAST_FOR_INTERVAL} replicates on, "
-                f"got {film.replicates}", "replicates",
-            )  # fmt: skip
+        if self.promise is not None:
+            check_replicates(film)
         if self.adaptive and not self.shares.size:
             if not self.piloted:
                 # What a render before this one has of the pilot is not rendered again.
@@ -193,6 +190,20 @@ class Steered(Schedule):
         self.asked, self.piloted = bool(state["asked"]), bool(state["piloted"])
         self.shares = np.asarray(state["shares"], np.float64)
         return self
+
+
+def check_replicates(film: Film) -> None:
+    """Refuse to promise an error of too few replicates.
+
+    Raises
+    ------
+    OptionError
+    """
+    if film.replicates < LEAST_FOR_INTERVAL:
+        raise OptionError(
+            f"an error can be promised from {LEAST_FOR_INTERVAL} replicates on, "
+            f"got {film.replicates}", "replicates",
+        )  # fmt: skip
 
 
 def towards(schedule: Schedule, promise: Promise, film: Film, spp: int | None) -> Steered:
