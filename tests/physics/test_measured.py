@@ -165,6 +165,10 @@ def test_descriptions_hold_the_measurement_itself(data, tmp_path):
 
 WRONG = {
     "nothing": (lambda f: None, "needs the field ndf"),
+    "degrees": (
+        lambda f: f.update(theta_i=np.rad2deg(f["theta_i"])),
+        "theta_i must be in .* radians, got",
+    ),
     "more azimuths": (lambda f: f.update(phi_i=np.zeros(2, "f4")), "as many rows as phi_i"),
     "descending": (lambda f: f.update(theta_i=f["theta_i"][::-1].copy()), "theta_i must ascend"),
     "not finite": (lambda f: f.update(ndf=f["ndf"] * np.float32(np.nan)), "ndf must be finite"),

@@ -161,6 +161,9 @@ def _check_shapes(arrays: Arrays) -> None:
     for name, angles in (("theta_i", elevations), ("phi_i", azimuths)):
         if not np.all(np.diff(angles) > 0.0):
             raise invalid(f"{name} must ascend")
+    if not (elevations[0] >= 0.0 and elevations[-1] <= 0.5 * np.pi + 0.01):
+        text = "theta_i must be in [0, pi/2] radians"
+        raise invalid(f"{text}, got {elevations[0]:g} to {elevations[-1]:g}")
     if len(azimuths) > 2 and min(abs(_turns(azimuths) - n) for n in (1, 2, 4)) > 0.01:
         text = "phi_i must span a turn, half a turn or a quarter"
         raise invalid(f"{text}, got {azimuths[0]:g} to {azimuths[-1]:g} radians")
