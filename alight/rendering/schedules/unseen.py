@@ -127,17 +127,19 @@ def unseen_error(
     expected = hidden.relmse()
     indicator = math.sqrt(float((seen * weights).sum()) + float(expected.sum()))
     factor = hidden.factor(error)
-    dim = float((expected * len(expected) > error**2).mean()) if len(expected) else 0.0
+    # Each point stands for the same part of the picture.
+    share = float((expected * POINTS > error**2).sum()) / POINTS
     if largest is None:
-        doubtful = 1.0 if by_chance else max(float(weights[seen > error**2].sum()), dim)
+        doubtful = 1.0 if by_chance else max(float(weights[seen > error**2].sum()), share)
         return Unseen(indicator, math.nan, doubtful, by_chance, factor)
     possible = _missing(np.float64(largest), samples, scale)
     bound = math.sqrt(float((possible * weights).sum()))
     told = possible if by_chance else np.minimum(seen, possible)
     doubtful = float(weights[told > error**2].sum())
-    if bound > error:
-        doubtful = max(doubtful, dim)
-    return Unseen(indicator, bound, doubtful, by_chance, factor)
+    if bound <= error:
+        # Whatever the indicator says.
+        return Unseen(indicator, bound, doubtful, by_chance)
+    return Unseen(indicator, bound, max(doubtful, share), by_chance, factor)
 
 
 class _Hidden:
