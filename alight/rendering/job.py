@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -107,6 +108,8 @@ class Job:
         What had to be changed in the scene's pictures.
     training : Training, optional
         Of the scene's guide.
+    look_behind_glass : callable, optional
+        `light_behind_glass` of the scene.
 
     Raises
     ------
@@ -131,9 +134,10 @@ class Job:
         largest_sample: float | None = None,
         notes: Sequence[str] = (),
         training: Training | None = None,
-        behind_glass: np.ndarray | None = None,
+        look_behind_glass: Callable[[], np.ndarray | None] = lambda: None,
     ) -> None:
-        self.notes, self.training, self.behind_glass = list(notes), training, behind_glass
+        self.notes, self.training = list(notes), training
+        self._look_behind_glass = look_behind_glass
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
         self.settings = make_settings(
@@ -170,9 +174,15 @@ class Job:
         film.recorded = depth_cap.unmeasured(scene.integrator) + unfound_light(scene)
         film.largest_sample = self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
-        film.behind_glass = self.behind_glass
+        # Only a promise asks its film.
+        film.behind_glass = self.behind_glass if self.schedule.promises else None
         film.shares_paths = scene.integrator.splats
         return film
+
+    @cached_property
+    def behind_glass(self) -> np.ndarray | None:
+        """Light behind clear glass, looked for when it is first asked for: `Film.behind_glass`."""
+        return self._look_behind_glass()
 
     def _guide(self) -> dict[str, Any]:
         """The guide as a part of a film's identity."""
@@ -213,7 +223,7 @@ class Job:
         self.rounds, self.goal = list(state.rounds), goal
         for film in self.rounds:
             # It may have been begun without a promise, for which nobody looked.
-            film.behind_glass = self.behind_glass
+            film.behind_glass = self.behind_glass if self.schedule.promises else film.behind_glass
         self.rays, self.samples = state.rays, state.samples
         self._earlier = self._restored = state.seconds
 

@@ -24,6 +24,7 @@ is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,13 +37,13 @@ from alight.bsdfs.nesting import find_transmissive
 from alight.cameras.rays import generate_ray
 from alight.compiled.casters import is_caster
 from alight.compiled.scene import CompiledScene
+from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE
 from alight.integrators.direct_light import lit_side
 from alight.integrators.walk import to_local
 from alight.lights.choice import choose_light
 from alight.lights.sampling import sample_light, shadow_ray
-from alight.scene.flatten import FlatScene
 from alight.shapes.hit import INFO, Hit
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
@@ -67,7 +68,7 @@ _GREEN = np.float32(550.0)
 _BEYOND = np.float32(1e-4)
 
 
-def is_looked_for(flat: FlatScene, scene: CompiledScene) -> bool:
+def is_looked_for(bsdfs: Sequence[Bsdf], scene: CompiledScene) -> bool:
     """Whether paths of a scene may have to find light behind glass by chance.
 
     Where nothing but chance finds light, this says nothing new (`Film.by_chance`). Paths from lamps
@@ -77,16 +78,17 @@ def is_looked_for(flat: FlatScene, scene: CompiledScene) -> bool:
     samples = integrator.needs_light and not integrator.finds_light_by_chance
     aims = integrator.splats or integrator.aims_at_lamps
     lit = bool(scene.program.lights) and samples and not aims and not scene.program.motion
-    return lit and any(find_transmissive(bsdf, {}) is not None for bsdf in flat.bsdfs)
+    return lit and any(find_transmissive(bsdf, {}) is not None for bsdf in bsdfs)
 
 
-def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | None:
+def light_behind_glass(bsdfs: Sequence[Bsdf], scene: CompiledScene) -> np.ndarray | None:
     """Look for it, the same way whatever the seed of the picture.
 
     Parameters
     ----------
-    flat, scene
-        The same scene, before and after compilation.
+    bsdfs : sequence of Bsdf
+        Of the flat scene: its materials in their order.
+    scene : CompiledScene
 
     Returns
     -------
@@ -95,10 +97,10 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
         8x8 pixels of the window, radiance that it adds to the picture (linear RGB), and the
         probability q of a sample to find it.
     """
-    if not is_looked_for(flat, scene):
+    if not is_looked_for(bsdfs, scene):
         return None
     random = np.random.default_rng(0)
-    clear = np.array([is_caster(b) and find_transmissive(b, {}) is not None for b in flat.bsdfs])
+    clear = np.array([is_caster(b) and find_transmissive(b, {}) is not None for b in bsdfs])
     x, y, w, h = scene.crop or (0, 0, *scene.size)
     at = (x + w * random.random(POINTS), y + h * random.random(POINTS))
     film = [a.astype(np.float32) for a in at]

@@ -13,13 +13,13 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from alight.compiled.recompile import compiled_of
 from alight.compiled.scene import CompiledScene
 from alight.films import Film
 from alight.options.render import RenderOptions
-from alight.rendering import depth_cap
 from alight.rendering.checkpoints.checkpoint import Origin
 from alight.rendering.checkpoints.checkpoint_writer import CheckpointWriter
 from alight.rendering.executors.blocks import Executor
@@ -128,13 +128,11 @@ def job_of(
         )  # fmt: skip
         clock.lap("training")
     replicates = replicates or flat.film.replicates
-    # A promise depends on it, and the measure of a cap.
-    matters = schedule.promises or depth_cap.cap_of(compiled.integrator) is not None
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
         largest_sample=largest_sample(flat, compiled.program.light_tree), notes=flat.notes,
         training=training,
-        behind_glass=light_behind_glass(flat, compiled) if matters else None,
+        look_behind_glass=partial(light_behind_glass, flat.bsdfs, compiled),
     )  # fmt: skip
 
 

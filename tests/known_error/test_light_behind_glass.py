@@ -64,7 +64,7 @@ def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, l
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_behind_glass(flat, compile_scene(flat))
+    return light_behind_glass(flat.bsdfs, compile_scene(flat))
 
 
 def of_floor(x, y):
@@ -171,6 +171,10 @@ def test_what_is_missing_by_its_formula():
     assert found.figure == found.indicator
     # A bound that is known counts if it is smaller.
     assert unseen(rows, largest=1e-3).figure < 1e-4
+    assert unseen(rows, error=1e-9).factor > 1.0 == unseen(rows, error=1e-3, largest=1e-3).factor
+    # Two points of all, the second with less.
+    for error, share in ((1e-3, 2), (0.05, 1), (0.2, 0)):
+        assert unseen(rows, error=error).doubtful == share / POINTS, points
     assert unseen(rows, spp=64).indicator < found.indicator
 
 
@@ -223,7 +227,7 @@ def test_a_render_looks_for_it_where_something_depends_on_it():
     film.sums[..., 0] = 1
     film.counts[:] = 16
     assert judge(film, Promise(0.1)).unseen > 0.1
-    assert job(room(), Uniform(4, 4)).behind_glass is None
+    assert job(room(), Uniform(4, 4)).rounds[0].behind_glass is None
     capped = room(integrator={"type": "path", "max_depth": 3})
     assert np.array_equal(job(capped, Uniform(4, 4)).behind_glass, wanted)
 
