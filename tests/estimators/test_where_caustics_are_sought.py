@@ -31,6 +31,7 @@ nodes:
 """
 SHINING = "shape: {type: sphere, radius: 0.3}, light: {type: area, radiance: 5}"
 BULB = "light: {type: point, intensity: 5}"
+SKY = "light: {type: constant, radiance: 5}"
 
 
 def scene(caustics="manifold", bsdf="dielectric", lamp=SHINING):
@@ -65,8 +66,16 @@ def test_chains_are_followed_where_a_material_mirrors():
 
 
 @pytest.mark.parametrize("lamp", [BULB, SHINING], ids=["a bulb", "a ball"])
-def test_where_there_are_none_pictures_keep_their_bits(lamp):
+def test_chains_lead_to_lamps(lamp):
     assert follows_chains(program_of("manifold", "dielectric", lamp))
+
+
+def test_no_chain_leads_to_a_sky_without_a_sun():
+    assert not follows_chains(program_of("manifold", "dielectric", SKY))
+
+
+@pytest.mark.parametrize("lamp", [BULB, SHINING], ids=["a bulb", "a ball"])
+def test_where_there_are_none_pictures_keep_their_bits(lamp):
     assert not follows_chains(program_of("manifold", "diffuse", lamp))
     assert not follows_chains(program_of("paths"))
     with_, without = (picture_of(scene(way, "diffuse", lamp), 2) for way in ("manifold", "paths"))

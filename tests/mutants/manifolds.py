@@ -120,7 +120,7 @@ MANIFOLDS = (
         "lights/targets.py",
         (("return bool(on_shapes(program)) or has_far_target(program)", "return True"),),
         "tests/estimators/test_where_caustics_are_sought.py"
-        "::test_where_there_are_none_pictures_keep_their_bits[a bulb]",
+        "::test_no_chain_leads_to_a_sky_without_a_sun",
     ),
     Mutant(
         "no chains from the lacquer of plastic",
