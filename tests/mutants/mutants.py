@@ -32,6 +32,7 @@ from tests.mutants.objects import OBJECTS
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
+from tests.mutants.rendering_space import RENDERING_SPACE
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.shadows import SHADOWS
 from tests.mutants.shown_again import SHOWN_AGAIN
@@ -77,6 +78,7 @@ MUTANTS = (
     + COMPILER
     + LAWS
     + WAVES
+    + RENDERING_SPACE
     + MANIFOLDS
     + WALKS
     + GUIDING
