@@ -53,15 +53,16 @@ def suspicious_contacts(flat: FlatScene) -> tuple[str, ...]:
         )
         for first, second in _in_one_place(across, axis):
             if first.shape != second.shape and _overlap(first, second, axis):
-                names = (flat.shapes[face.shape].name for face in (first, second))
-                return (
-                    (
-                        f"{' and '.join(names)} have faces in one place, {name} = "
-                        f"{_place(first, axis):.6g}: rays meet only one of them, and light is lost or "
-                        "gained; leave a gap, or one face as the boundary of both"
-                    ),
-                )
+                return (_told(flat, first, second, f"{name} = {_place(first, axis):.6g}"),)
     return ()
+
+
+def _told(flat: FlatScene, first: Face, second: Face, where: str) -> str:
+    names = " and ".join(flat.shapes[face.shape].name for face in (first, second))
+    return (
+        f"{names} have faces in one place, {where}: rays meet only one of them, and light is lost "
+        "or gained; leave a gap, or one face as the boundary of both"
+    )
 
 
 def _bends(bsdf: Bsdf) -> bool:
