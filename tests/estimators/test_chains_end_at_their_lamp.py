@@ -82,18 +82,20 @@ def test_lamps_before_each_other_are_told_apart():
 
 
 def led(text, d, type_, most, rng=None):
-    """`Followed` of rays (n, 3) from the origin to the only lamp; by chance if there is a generator."""
+    """`Followed` of rays (n, 3) from the origin to the only lamp; by chance if `rng` is given."""
     scene, n = compiled(text), len(d)
     lead, aim = (
         np.errstate(all="ignore")(instantiate(root, scene.program, compiled=False))
         for root in (follow, target_at)
     )
     none = np.zeros(n, np.uint32)
-    keys = (rng.integers(0, 1 << 32, n, dtype=np.uint32) for _ in range(2)) if rng else (none, none)
+    keys = [none, none]
+    if rng is not None:
+        keys = [rng.integers(0, 1 << 32, n, dtype=np.uint32) for _ in range(2)]
     start = Start(Vec3(*np.zeros((3, n), np.float32)), Vec3(*np.float32(d.T)), (), (), ())
     plan = Plan(
-        Type(none + type_[0], none + type_[1]), np.full(n, rng is not None), none == 0, Stream(*keys, none),
-        none, none + np.uint32(most),
+        type=Type(none + type_[0], none + type_[1]), chance=np.full(n, rng is not None),
+        final=none == 0, stream=Stream(*keys, none), first=none, most=none + np.uint32(most),
     )  # fmt: skip
     with mock.patch.object(walk, "mask_bits", lambda mask: 0):
         return lead(scene.tables, start, aim(scene.tables, none), plan, none == 0)
@@ -104,7 +106,10 @@ alight: 1
 integrator: {type: path, max_depth: 6, caustics: manifold}
 camera: {type: pinhole, transform: {translate: [0, 0, 9]}}
 nodes:
-  mirror: {shape: rectangle, bsdf: {type: mirror}, transform: [{scale: 90}, {translate: [0, 0, %g]}]}
+  mirror:
+    shape: rectangle
+    bsdf: {type: mirror}
+    transform: [{scale: 90}, {translate: [0, 0, %g]}]
   lamp: {shape: {type: sphere, center: [0, 0, 5], radius: 0.5}, light: {type: area, radiance: 5}}
 """
 
@@ -113,7 +118,8 @@ nodes:
 def test_a_chain_passes_as_many_leaves_as_there_are(leaves):
     """Each takes its part and is an edge, and the light needs them all."""
     text = ABOVE % -1 + "".join(
-        f"  leaf{i}: {{shape: rectangle, bsdf: {{type: mask, opacity: 0.1, bsdf: {{type: diffuse}}}},\n"
+        f"  leaf{i}: {{shape: rectangle,\n"
+        f"         bsdf: {{type: mask, opacity: 0.1, bsdf: {{type: diffuse}}}},\n"
         f"         transform: [{{scale: 9}}, {{translate: [0, 0, {0.5 + 0.2 * i}]}}]}}\n"
         for i in range(leaves)
     )

@@ -227,7 +227,9 @@ def test_even_shares_get_what_was_asked_for():
 
 def noisy(brightness, step):
     """Every second replicate is brighter by `step`, the others are darker."""
-    return (brightness[..., None] + step[..., None] * [1.0, -1.0, 1.0, -1.0])[..., None] * np.ones(3)
+    return (brightness[..., None] + step[..., None] * [1.0, -1.0, 1.0, -1.0])[..., None] * np.ones(
+        3
+    )
 
 
 @pytest.mark.parametrize("brightness", [0.0, 0.05, 0.3, 0.4, 5.0])

@@ -70,7 +70,7 @@ ONE_OF_TWO = (
                 "vertex_dimension(path.steps - 1) + FREE_FLIGHT",
             ),
         ),
-        f"{NUMBERS}::test_no_number_is_used_for_two_purposes[volpath-0]",
+        f"{NUMBERS}::test_no_number_is_used_for_two_purposes[volpath-2]",
     ),
     Mutant(
         "lamps without a size behind glass, which no path finds",
@@ -89,8 +89,7 @@ ONE_OF_TWO = (
         "half a turn that is mirrored, not turned",
         "bsdfs/measured/measured.py",
         (("-copysign(1.0, wo.x), y)", "-copysign(1.0, wo.x), 1.0)"),),
-        "tests/physics/test_measured.py"
-        "::test_what_was_measured_in_a_part_of_a_turn_is_repeated[2]",
+        "tests/physics/test_measured.py::test_what_was_measured_in_a_part_of_a_turn_is_repeated[2]",
     ),
     Mutant(
         "reflectances that are black beyond their wavelengths",
@@ -115,7 +114,8 @@ ONE_OF_TWO = (
                 "@ placed.to_world[:3, :3].T",
             ),
         ),
-        "tests/scene/test_suspicious_bodies.py::test_the_box_around_a_shape_is_where_it_was_put",
+        "tests/scene/test_suspicious_bodies.py::test_the_box_around_a_shape_is_where_it_was_put"
+        "[mesh]",
     ),
     Mutant(
         "casters that are infinite along one axis",
@@ -139,7 +139,12 @@ ONE_OF_TWO = (
     Mutant(
         "chains of one event more than fits",
         SPECULAR_CHAIN,
-        (("where(chance, passed.count < MOST_EVENTS,", "where(chance, passed.count <= MOST_EVENTS,"),),
+        (
+            (
+                "where(chance, passed.count < MOST_EVENTS,",
+                "where(chance, passed.count <= MOST_EVENTS,",
+            ),
+        ),
         f"{CHAINS}::test_a_chain_has_no_more_events_than_its_type_has_bits",
     ),
     Mutant(
@@ -151,7 +156,12 @@ ONE_OF_TWO = (
     Mutant(
         "cells around a window as stopped early",
         "rendering/schedules/cycles.py",
-        (("np.mean(self.counts[cells_of(*film.crop)] < self.spp)", "np.mean(self.counts < self.spp)"),),
+        (
+            (
+                "np.mean(self.counts[cells_of(*film.crop)] < self.spp)",
+                "np.mean(self.counts < self.spp)",
+            ),
+        ),
         f"{SHARES}::test_cycles_goes_on_with_the_noisy_cells_of_a_window[corner1]",
     ),
     Mutant(
@@ -160,5 +170,43 @@ ONE_OF_TWO = (
         (("np.where(brightness < 1.0,", "np.where(brightness > 1.0,"),),
         f"{SHARES}::test_the_error_of_cycles_is_over_the_root_of_what_is_dark_and_over_what_is_bright"
         "[5.0]",
+    ),
+    Mutant(
+        "kept references that are as high, whatever their width",
+        "lab/references.py",
+        (("shape[:2] != arm.size[::-1]", "shape[:1] != arm.size[:0:-1]"),),
+        "tests/lab/test_references.py::test_a_kept_reference_of_another_size_is_not_taken",
+    ),
+    Mutant(
+        "references by the first arm that may, and not by the baseline",
+        "lab/references.py",
+        (
+            (
+                "return baseline if baseline in fit or not fit else fit[0]",
+                "return (fit or [baseline])[0]",
+            ),
+        ),
+        "tests/lab/test_laws_of_references.py"
+        "::test_the_baseline_renders_the_reference_if_it_may[False]",
+    ),
+    Mutant(
+        "as long on eight threads as on one",
+        "rendering/plan.py",
+        (("about {seconds.value / threads:.3g} s", "about {seconds.value:.3g} s"),),
+        "tests/known_error/test_laws_of_plans.py"
+        "::test_the_time_on_the_clock_is_shared_among_threads",
+    ),
+    Mutant(
+        "media that are dark where one channel absorbs nothing",
+        "media/coefficients.py",
+        (("min(scattering_albedo(spec)) < 1.0", "max(scattering_albedo(spec)) < 1.0"),),
+        "tests/media/test_emission.py::test_a_medium_shines_if_any_channel_absorbs[0]",
+    ),
+    Mutant(
+        "a sun that ends in the middle of its last texel",
+        "lights/bright_disk.py",
+        (("-1.0, 1.0)).max()) + texel", "-1.0, 1.0)).max())"),),
+        "tests/estimators/test_caustics_of_the_sun.py"
+        "::test_a_sun_of_one_texel_reaches_as_far_as_the_next_one",
     ),
 )

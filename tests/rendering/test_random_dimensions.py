@@ -221,7 +221,9 @@ def test_numbers_of_a_vertex_have_places_of_their_own(own):
 
 def test_numbers_of_shadows_on_the_ground_have_one_purpose_each():
     text = SURFACES.replace("  floor: {shape: plane", "  floor: {shape: rectangle")
-    text = text.replace("transform: {keyframes: [{time: 0}, {time: 1, translate: [0.3, 0, 0]}]}}", "}")
+    text = text.replace(
+        "transform: {keyframes: [{time: 0}, {time: 1, translate: [0.3, 0, 0]}]}}", "}"
+    )
     text = text[: text.index("  lamp:")] + text[text.index("  bulb:") : text.index("  window:")]
     flat = flatten(loads(text))
     scene = compile_scene(flat, structure="list", aovs=(SHADOW,))

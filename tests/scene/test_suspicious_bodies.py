@@ -86,7 +86,7 @@ def test_what_displaces_nothing_is_refused(key):
     loaded({**CUBE, "displacement": 0.1, f"displacement_{key}": 0.5})
 
 
-@pytest.mark.parametrize("shape", [CUBE, "cube", {"type": "sphere", "radius": 1}], ids=str)
+@pytest.mark.parametrize("shape", [CUBE, "cube", "sphere"], ids=["mesh", "cube", "ball"])
 def test_the_box_around_a_shape_is_where_it_was_put(shape):
     node = {"transform": [{"scale": [1, 2, 3]}, {"translate": [5, -7, 9]}]}
     flat = flatten(loaded(shape, node=node))
