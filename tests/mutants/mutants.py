@@ -29,6 +29,7 @@ from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.mattes import MATTES
 from tests.mutants.media import MEDIA
 from tests.mutants.objects import OBJECTS
+from tests.mutants.one_of_two import ONE_OF_TWO
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
@@ -94,4 +95,5 @@ MUTANTS = (
     + FOREIGN
     + LAID_DOWN
     + BEYOND_EXAMPLES
+    + ONE_OF_TWO
 )
