@@ -70,13 +70,12 @@ def shifted(placed: _Placed, origin: NDArray[np.float64]) -> _Placed:
 
 def _only_shifts(motion: Motion, origin: NDArray[np.float64]) -> bool:
     """Whether a motion only shifts what is far away already, so that the order does not matter."""
-    if not motion.is_rigid or len(motion.links) > 1:
+    if not motion.is_rigid or len(motion.links) != 1:
         return False
     frames = motion.links[0].track.frames
-    nearer = [np.linalg.norm(f.shift - origin) < np.linalg.norm(f.shift) for f in frames]
-    return all(np.array_equal(f.turn, frames[0].turn) for f in frames) and not any(nearer) and (
-        np.array_equal(np.abs(frames[0].turn), [1.0, 0.0, 0.0, 0.0])
-    )  # fmt: skip
+    turns = any(not np.array_equal(np.abs(f.turn), [1.0, 0.0, 0.0, 0.0]) for f in frames)
+    to_there = any(np.linalg.norm(f.shift - origin) < np.linalg.norm(f.shift) for f in frames)
+    return not turns and not to_there
 
 
 def _after(motion: Motion, back: Matrix) -> Motion:
