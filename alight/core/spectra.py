@@ -37,7 +37,11 @@ _FINE = np.arange(360.0, 830.25, 0.5)
 
 
 def to_linear_srgb(
-    wavelengths: NDArray[np.float64], values: NDArray[np.float64], *, shines: bool
+    wavelengths: NDArray[np.float64],
+    values: NDArray[np.float64],
+    *,
+    shines: bool,
+    clipped: bool = True,
 ) -> list[float]:
     """Reduce a spectrum to three numbers.
 
@@ -49,13 +53,16 @@ def to_linear_srgb(
         In between the spectrum is linear, outside it is 0.
     shines : bool
         Whether it is emitted, not a property of a surface.
+    clipped : bool, default True
+        Whether negative channels become 0.
     """
     spectrum = np.interp(_FINE, wavelengths, values, left=0.0, right=0.0)
     if not shines:
         spectrum = spectrum * np.interp(_FINE, WAVELENGTHS, D65) / DAYLIGHT
     curves = [np.interp(_FINE, WAVELENGTHS, OBSERVER[:, i]) for i in range(3)]
     xyz = [np.trapezoid(spectrum * curve, _FINE) / LUMINOUS for curve in curves]
-    return [max(0.0, float(channel)) for channel in TO_SRGB @ xyz]
+    least = 0.0 if clipped else -np.inf
+    return [max(least, float(channel)) for channel in TO_SRGB @ xyz]
 
 
 def reflectance_weights(wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:

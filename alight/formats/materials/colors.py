@@ -25,6 +25,8 @@ Role = Literal["reflectance", "index", "light"]
 Item = TypeVar("Item")
 
 LARGEST = 1e15
+#: What is lost of a spectrum is told if it is more than this part of its brightest channel.
+TOLD = 0.01
 MOST_BYTES = 2**20
 
 
@@ -72,6 +74,15 @@ class ColorReader(ABC, Generic[Item]):
     @abstractmethod
     def _read(self, item: Item, role: Role) -> Color | None:
         """Find the colour; None after a problem that has been reported."""
+
+    def reduced(self, item: Item, pairs: Pairs, role: Role) -> Color:
+        """Reduce a spectrum to linear sRGB, and say what that loses where it is much."""
+        told = losses(pairs, role)
+        if told:
+            self.report.warn(item, f"is a spectrum, which became linear sRGB: {'; '.join(told)}")
+        color = to_linear_srgb(*pairs, shines=role == "light")
+        # A surface that is too bright by rounding, or in a channel that sRGB cannot show.
+        return [min(channel, 1.0) for channel in color] if role == "reflectance" else color
 
     def _pairs_of_file(self, name: str) -> Pairs:
         """Read a file of lines "wavelength value", ``#`` before remarks, once."""
@@ -129,8 +140,29 @@ def checked(wavelengths: np.ndarray, values: np.ndarray) -> Pairs:
     return wavelengths, values
 
 
-def reduced(pairs: Pairs, role: Role) -> Color:
-    """Reduce a spectrum to linear sRGB."""
-    color = to_linear_srgb(*pairs, shines=role == "light")
-    # A surface that is too bright by rounding, or in a channel that sRGB cannot show.
-    return [min(channel, 1.0) for channel in color] if role == "reflectance" else color
+def losses(pairs: Pairs, role: Role) -> list[str]:
+    """What three numbers cannot hold of a spectrum, in words; nothing if it is little.
+
+    Parameters
+    ----------
+    pairs : pair of (n,) float64
+    role : {"reflectance", "index", "light"}
+    """
+    wavelengths, values = pairs
+    shines, is_matte = role == "light", role == "reflectance"
+    exact = to_linear_srgb(wavelengths, values, shines=shines, clipped=False)
+    brightest = max(*exact, 1e-30)
+    over = max(exact) - 1.0 if is_matte else 0.0
+    found = []
+    if max(-min(exact), over) > TOLD * brightest:
+        share = max(-min(exact), over) / brightest
+        found.append(f"its colour lies outside, and {share:.2g} of its brightest channel was cut")
+    if is_matte:
+        # Of a spectrum that is linear between its wavelengths, the square is not.
+        fine = np.union1d(wavelengths, np.arange(360.0, 830.5, 1.0))
+        once = np.interp(fine, wavelengths, values, left=0.0, right=0.0)
+        twice = np.array(to_linear_srgb(fine, once * once, shines=False))
+        off = float(np.abs(np.clip(exact, 0.0, 1.0) ** 2 - twice).max() / max(*twice, 1e-30))
+        if off > TOLD:
+            found.append(f"light that it reflects twice is off by up to {off:.2g} of the brightest")
+    return found
