@@ -32,14 +32,14 @@ def test_colours_outside_of_srgb_are_told(role):
 
 
 def test_the_error_of_a_second_reflection_is_told_of_surfaces_alone():
-    [text] = losses(STEEP, "reflectance")
+    [text] = [line for line in losses(STEEP, "reflectance") if "twice" in line]
     fine = np.arange(360.0, 830.5, 1.0)
     weights, once = reflectance_weights(fine), np.interp(fine, *STEEP)
     three, spectral = np.clip(weights @ once, 0.0, 1.0) ** 2, weights @ once**2
     wanted = np.abs(three - np.maximum(spectral, 0.0)).max() / spectral.max()
     assert wanted > 0.02
     assert float(text.partition("up to ")[2].split()[0]) == pytest.approx(wanted, rel=0.2)
-    assert losses(STEEP, "index") == [] or "twice" not in losses(STEEP, "index")[0]
+    assert not any("twice" in line for line in losses(STEEP, "index"))
 
 
 @pytest.mark.parametrize(("spectrum", "told"), [(EVEN, False), (STEEP, True), (LINE, True)])
