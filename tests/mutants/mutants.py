@@ -32,6 +32,7 @@ from tests.mutants.objects import OBJECTS
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
+from tests.mutants.readers import READERS
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.shadows import SHADOWS
 from tests.mutants.shown_again import SHOWN_AGAIN
@@ -90,6 +91,7 @@ MUTANTS = (
     + STRANDS
     + EVERYDAY
     + FOREIGN
+    + READERS
     + LAID_DOWN
     + BEYOND_EXAMPLES
 )

@@ -1,4 +1,4 @@
-"""What is said of a file, a graph, a node or an input holds for what stands within, the inner first.
+"""What is said of a file, a graph, a node or an input holds within; the inner one counts.
 
 Source: MaterialX specification, "Standard Filename Prefix" and "Color Spaces".
 """

@@ -31,6 +31,8 @@ def test_a_file_that_stands_twice_may_be_turned_in_one_place(first, tmp_path):
     ply.save(tmp_path / "a.ply", arrays)
     shape = 'Shape "plymesh" "string filename" "a.ply"\n'
     second = "ReverseOrientation\n" if not first else ""
-    text = f"AttributeBegin\n{first}{shape}AttributeEnd\nAttributeBegin\n{second}{shape}AttributeEnd"
+    text = (
+        f"AttributeBegin\n{first}{shape}AttributeEnd\nAttributeBegin\n{second}{shape}AttributeEnd"
+    )
     flat = flatten(read(text, folder=tmp_path))
     assert [placed.shape.flip_normals for placed in flat.shapes] == [bool(first), not first]

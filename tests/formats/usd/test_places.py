@@ -25,7 +25,7 @@ def operations(rng):
         "rotateZYX": f"float3 xformOp:rotateZYX = {triple(rng, -180, 180)}",
         "scale": f"float3 xformOp:scale = {triple(rng, 0.5, 2)}",
         "transform": "matrix4d xformOp:transform = "
-        + f"({', '.join(str(tuple(row)) for row in rows.round(4).tolist())})",
+        f"({', '.join(str(tuple(row)) for row in rows.round(4).tolist())})",
         "translate:pivot": f"double3 xformOp:translate:pivot = {triple(rng)}",
     }
     names = rng.permutation([name for name in given if name != "translate:pivot"])[:2].tolist()

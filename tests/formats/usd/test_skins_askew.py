@@ -1,4 +1,4 @@
-"""OpenUSD: characters whose joints, bindings and shapes are in general position, as it bakes them."""
+"""OpenUSD: characters with joints, bindings and shapes in general position, as it bakes them."""
 
 import numpy as np
 import pytest
@@ -31,9 +31,7 @@ def array(table):
 
 
 def character(rng):
-    matrices = {
-        name: array([matrix(rng) for _ in range(3)]) for name in ("bindTransforms", "restTransforms")
-    }
+    bound, rests = (array([matrix(rng) for _ in range(3)]) for _ in range(2))
     turns = rng.normal(size=(3, 4))
     turns /= np.linalg.norm(turns, axis=1, keepdims=True)
     weights = rng.random((POINTS, 2))
@@ -78,8 +76,8 @@ def SkelRoot "r"
         matrix4d xformOp:transform = {written(matrix(rng))}
         uniform token[] xformOpOrder = ["xformOp:transform"]
         uniform token[] joints = ["a", "a/b", "c"]
-        uniform matrix4d[] bindTransforms = {matrices["bindTransforms"]}
-        uniform matrix4d[] restTransforms = {matrices["restTransforms"]}
+        uniform matrix4d[] bindTransforms = {bound}
+        uniform matrix4d[] restTransforms = {rests}
         rel skel:animationSource = </r/moves>
     }}
     def SkelAnimation "moves"

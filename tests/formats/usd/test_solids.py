@@ -43,7 +43,7 @@ def test_solids_of_revolution(kind, axis, tmp_path):
 def test_planes_are_as_wide_and_long_as_they_say(axis, across, tmp_path):
     """The width lies along x, or along z where the plane looks along x; the length across it."""
     scene = usd_loader(tmp_path)(
-        f'def Plane "it" {{ double width = 3; double length = 5\n    uniform token axis = "{axis}" }}'
+        f'def Plane "it" {{ double width = 3; double length = 5; uniform token axis = "{axis}" }}'
     )
     [node] = shapes(scene).values()
     wanted = np.zeros(3)

@@ -1,0 +1,401 @@
+"""Bugs of readers, writers and scenes that no test found, with the laws that do now."""
+
+from tests.mutants.mutant import Mutant
+
+G = "tests/formats/gltf/test_general_places.py"
+W = "tests/formats/gltf/test_written_defaults.py"
+MAPS = "tests/formats/test_options_of_maps.py"
+SPELLED = "tests/meshes/test_spellings.py"
+SCOPES = "tests/formats/materialx/test_scopes.py"
+CONTENT = "tests/scene/test_content.py"
+INSIDES = "tests/scene/test_insides.py"
+GROUND = "tests/compiled/test_ground.py"
+FACES = "tests/formats/usd/test_faces.py"
+SOLIDS = "tests/formats/usd/test_solids.py"
+CAMERAS = "tests/formats/usd/test_cameras.py"
+PLACES = "tests/formats/usd/test_places.py"
+SKINS = "tests/formats/usd/test_skins_askew.py"
+RANGES = "tests/formats/usd/test_ranges.py"
+NAMES = "tests/formats/pbrt/test_names_of_textures.py"
+KEPT = "tests/formats/pbrt/test_kept_transforms.py"
+RIBBONS = "tests/formats/pbrt/test_more_shapes.py"
+LAYERS = "tests/view/test_layers.py"
+POSE = "tests/view/test_pose.py"
+ORDER = "tests/formats/pbrt/test_order_plays_no_part.py"
+
+READERS = (
+    Mutant(
+        "a body of glTF whose reflection has the strength of glass",
+        "formats/gltf/bodies.py",
+        (
+            (
+                "ior = index_of(specular * reflectance(ior))",
+                "ior = index_of(specular * reflectance(1.5))",
+            ),
+        ),
+        f"{G}::test_the_reflection_of_a_body_is_that_of_its_index_by_its_strength",
+    ),
+    Mutant(
+        "deep nodes of glTF that stand before those above them",
+        "formats/gltf/nodes.py",
+        (
+            (
+                "own = matrix if task.before is None else task.before @ matrix",
+                "own = matrix if task.before is None else matrix @ task.before",
+            ),
+        ),
+        f"{G}::test_every_node_of_a_chain_stands_where_the_product_says",
+    ),
+    Mutant(
+        "morph targets that rest where their node has a matrix",
+        "formats/gltf/animations.py",
+        (('if "matrix" in node and path != "weights":', 'if "matrix" in node:'),),
+        f"{G}::test_targets_of_a_node_with_a_matrix_are_animated",
+    ),
+    Mutant(
+        "a spot that is written without its soft edge",
+        "formats/gltf/write.py",
+        (("beam = 0.75 * fields", "beam = 1.0 * fields"),),
+        f"{W}::test_a_spot_is_even_as_far_as_ours_is",
+    ),
+    Mutant(
+        "a written coat that lacks the bumps below it",
+        "formats/gltf/write_materials.py",
+        (('coat["clearcoatNormalTexture"] = below', 'coat["clearcoatNormalTexture"] = {}'),),
+        f"{W}::test_a_coat_says_whether_it_follows_the_bumps_below",
+    ),
+    Mutant(
+        "one scale of an MTL picture for both of its sides",
+        "formats/obj/maps.py",
+        (("scale = [*values, 1.0][:2]", "scale = [*values, values[0]][:2]"),),
+        f"{MAPS}::test_pictures_are_scaled_and_then_shifted",
+    ),
+    Mutant(
+        "corners that count back from the last vertex in all tables",
+        "meshes/obj.py",
+        (
+            (
+                "index - 1 if index > 0 else counts[i] + index",
+                "index - 1 if index > 0 else counts[0] + index",
+            ),
+        ),
+        f"{SPELLED}::test_corners_of_obj_files_count_from_the_start_or_from_the_end",
+    ),
+    Mutant(
+        "corners that are counted back from an earlier end",
+        "meshes/obj.py",
+        (('if b"-" not in word:', 'if b"+" not in word:'),),
+        f"{SPELLED}::test_corners_of_obj_files_count_from_the_start_or_from_the_end",
+    ),
+    Mutant(
+        "headers of PLY with ends of lines of one kind",
+        "meshes/ply_header.py",
+        (('.replace("\\r", "\\n")', ""),),
+        f"{SPELLED}::test_ply_files_hold_what_was_put_into_them",
+    ),
+    Mutant(
+        "a PLY header whose remarks are properties",
+        "meshes/ply_header.py",
+        (('("ply", "comment", "obj_info")', '("ply", "comment")'),),
+        f"{SPELLED}::test_ply_files_hold_what_was_put_into_them",
+    ),
+    Mutant(
+        "an element of PLY with two counts",
+        "meshes/ply_header.py",
+        (
+            (
+                'words[0] == "element" and len(words) == 3',
+                'words[0] == "element" and len(words) >= 3',
+            ),
+        ),
+        f"{SPELLED}::test_headers_that_make_no_sense_are_refused",
+    ),
+    Mutant(
+        "a list of PLY with two names",
+        "meshes/ply_header.py",
+        (('len(words) == 5 and words[1] == "list"', 'len(words) >= 5 and words[1] == "list"'),),
+        f"{SPELLED}::test_headers_that_make_no_sense_are_refused",
+    ),
+    Mutant(
+        "lists of floats that are refused for what they hold",
+        "meshes/ply_header.py",
+        (('TYPES[kinds[0]][0] == "f"', 'TYPES[kinds[1]][0] == "f"'),),
+        f"{SPELLED}::test_lists_of_floats_may_be_counted_by_whole_numbers",
+    ),
+    Mutant(
+        "rows of PLY that are all as long as the first and one more",
+        "meshes/ply.py",
+        (
+            (
+                'if any((rows[f"n{i}"] != length).any() for i, length in lengths.items()):',
+                'if any((rows[f"n{i}"] != length).all() for i, length in lengths.items()):',
+            ),
+        ),
+        f"{SPELLED}::test_ply_files_hold_what_was_put_into_them",
+    ),
+    Mutant(
+        "faces that strips take the place of",
+        "meshes/ply.py",
+        (
+            (
+                "faces = np.concatenate([faces, _to_indices(more, len(vertices))])",
+                "faces = _to_indices(more, len(vertices))",
+            ),
+        ),
+        f"{SPELLED}::test_ply_files_hold_what_was_put_into_them",
+    ),
+    Mutant(
+        "a colour space of a file before that of a node",
+        "formats/materialx/document.py",
+        (
+            (
+                "child.attributes.setdefault(key, root.attributes[key])",
+                "child.attributes[key] = root.attributes[key]",
+            ),
+        ),
+        f"{SCOPES}::test_the_inner_one_counts",
+    ),
+    Mutant(
+        "two prefixes of a file name, one behind the other",
+        "formats/materialx/document.py",
+        (
+            (
+                '(prefix or top.attributes.get("fileprefix", "")) + text',
+                'prefix + top.attributes.get("fileprefix", "") + text',
+            ),
+        ),
+        f"{SCOPES}::test_the_inner_one_counts",
+    ),
+    Mutant(
+        "what is included looks beside what includes it",
+        "formats/materialx/document.py",
+        (
+            (
+                "return self._read(text, str(path), path.parent).children",
+                "return self._read(text, str(path), folder).children",
+            ),
+        ),
+        f"{SCOPES}::test_files_that_are_included_look_beside_themselves",
+    ),
+    Mutant(
+        "a camera that stands in the fog of the scene, whatever it says",
+        "scene/flatten.py",
+        (
+            (
+                "scene.medium if camera.camera.medium is None else camera.camera.medium",
+                "camera.camera.medium if scene.medium is None else scene.medium",
+            ),
+        ),
+        f"{CONTENT}::test_media_are_those_that_are_said_or_those_around",
+    ),
+    Mutant(
+        "mattes of materials without a name are one",
+        "scene/flatten.py",
+        (
+            (
+                "node.bsdf if isinstance(node.bsdf, str) else path",
+                "node.bsdf if isinstance(node.bsdf, str) else DEFAULT",
+            ),
+        ),
+        f"{CONTENT}::test_things_stand_in_the_order_of_the_graph_and_are_called_by_their_materials",
+    ),
+    Mutant(
+        "children of a node before what it instances",
+        "scene/flatten.py",
+        (
+            (
+                'below.insert(0, (f"{path}/{node.instance}", prototype, *given))',
+                'below.append((f"{path}/{node.instance}", prototype, *given))',
+            ),
+        ),
+        f"{CONTENT}::test_things_stand_in_the_order_of_the_graph_and_are_called_by_their_materials",
+    ),
+    Mutant(
+        "a hash of a scene without its lamps",
+        "scene/flatten.py",
+        (
+            (
+                "cached[id(shape.shape)] + numbers + light + shape",
+                "cached[id(shape.shape)] + numbers + shape",
+            ),
+        ),
+        f"{CONTENT}::test_each_number_has_a_part_in_the_hash",
+    ),
+    Mutant(
+        "a body that may not even hold empty space",
+        "scene/bodies.py",
+        (("if node.interior not in (None, VACUUM):", "if node.interior is not None:"),),
+        f"{INSIDES}::test_nothing_else_is_inside_of_a_body",
+    ),
+    Mutant(
+        "the ground's light measured on the diagonal",
+        "compiled/ground.py",
+        (("shapes.lowest, shapes.center[2]]", "shapes.lowest, shapes.center[0]]"),),
+        f"{GROUND}::test_the_ground_is_below_the_middle_of_all_shapes",
+    ),
+    Mutant(
+        "faces that are counted without holes",
+        "formats/usd/meshes.py",
+        (("origin = np.flatnonzero(keep)", "origin = np.arange(int(keep.sum()))"),),
+        f"{FACES}::test_faces_belong_to_the_first_subset_that_names_them",
+    ),
+    Mutant(
+        "solids of revolution inside out",
+        "formats/usd/meshes.py",
+        (
+            (
+                "quads = np.stack([a, b, b + _AROUND, a + _AROUND], axis=-1)",
+                "quads = np.stack([b, a, a + _AROUND, b + _AROUND], axis=-1)",
+            ),
+        ),
+        f"{SOLIDS}::test_solids_of_revolution",
+    ),
+    Mutant(
+        "a parallel camera that sees ten times as much",
+        "formats/usd/cameras.py",
+        (("Parallel(height * _TENTH)", "Parallel(height)"),),
+        f"{CAMERAS}::test_pictures_show_as_much",
+    ),
+    Mutant(
+        "transforms that are reset with the axes of the stage",
+        "formats/usd/graph.py",
+        (
+            (
+                "np.linalg.solve(parent_to_world, self.root @ matrix)",
+                "np.linalg.solve(parent_to_world, matrix)",
+            ),
+        ),
+        f"{PLACES}::test_meshes_stand_where_the_library_says",
+    ),
+    Mutant(
+        "a mesh that is bound after its joints have moved it",
+        "formats/usd/skins.py",
+        (("(bound @ moves @ back)", "(moves @ bound @ back)"),),
+        f"{SKINS}::test_points_are_where_openusd_bakes_them",
+    ),
+    Mutant(
+        "of two shapes that move a point the last one",
+        "formats/usd/skins.py",
+        (("np.add.at(shifts, chosen, weight * offsets)", "shifts[chosen] = weight * offsets"),),
+        f"{SKINS}::test_points_are_where_openusd_bakes_them",
+    ),
+    Mutant(
+        "the red of a fallback for all of its channels",
+        "formats/usd/textures.py",
+        (("found[_CHANNELS.index(output) if output in _CHANNELS else 0]", "found[0]"),),
+        f"{RANGES}::test_without_a_picture_the_output_of_the_fallback_is_taken",
+    ),
+    Mutant(
+        "a number that asks for a texture of colours",
+        "formats/pbrt/textures.py",
+        (("found = found[::-1]", "found = found[:]"),),
+        f"{NAMES}::test_a_name_means_a_texture_of_the_kind_that_is_asked_for",
+    ),
+    Mutant(
+        "colours in the space of the texture before them",
+        "formats/pbrt/textures.py",
+        (
+            (
+                "        context.colors.space = space\n",
+                "        context.colors.space = item.space\n",
+            ),
+        ),
+        f"{NAMES}::test_a_texture_is_in_the_space_of_its_definition_and_nothing_else_is",
+    ),
+    Mutant(
+        "a texture in the space of what asks for it",
+        "formats/pbrt/textures.py",
+        (
+            (
+                "space, context.colors.space = context.colors.space, item.space",
+                "space, context.colors.space = context.colors.space, context.colors.space",
+            ),
+        ),
+        f"{NAMES}::test_a_texture_is_in_the_space_of_its_definition_and_nothing_else_is",
+    ),
+    Mutant(
+        "what moves inside of TransformBegin moves on behind it",
+        "formats/pbrt/attributes.py",
+        (
+            (
+                "state.matrix, state.ends, state.changes_start, state.changes_end = kept",
+                "state.matrix, _, state.changes_start, state.changes_end = kept",
+            ),
+        ),
+        f"{KEPT}::test_both_times_and_what_is_active_are_kept",
+    ),
+    Mutant(
+        "ribbons whose triangles face away from their normals",
+        "formats/pbrt/strands.py",
+        (("np.cross(along, normals)) * 0.5", "np.cross(normals, along)) * 0.5"),),
+        f"{RIBBONS}::test_ribbons_face_as_their_normals_say",
+    ),
+    Mutant(
+        "dark pixels whose error is told over a fifth of the mean",
+        "view/layers.py",
+        (("DARKEST = 0.1", "DARKEST = 0.2"),),
+        f"{LAYERS}::test_the_error_is_told_over_the_value_or_a_tenth_of_the_mean",
+    ),
+    Mutant(
+        "an error of the view that is the mean of those of its channels",
+        "view/layers.py",
+        (
+            (
+                "np.sqrt(np.square(error).mean(axis=-1, keepdims=True))",
+                "error.mean(axis=-1, keepdims=True)",
+            ),
+        ),
+        f"{LAYERS}::test_the_error_is_told_over_the_value_or_a_tenth_of_the_mean",
+    ),
+    Mutant(
+        "colours in small letters from alpha to red",
+        "view/layers.py",
+        (('"rgba" if set("rgb") <= set(channels)', '"abgr" if set("rgb") <= set(channels)'),),
+        f"{LAYERS}::test_channels_stand_in_the_order_of_colours_and_axes",
+    ),
+    Mutant(
+        "an interval whose ends change places in the view",
+        "view/layers.py",
+        (
+            (
+                '"low": bars.low[y, x], "high": bars.high[y, x]',
+                '"low": bars.high[y, x], "high": bars.low[y, x]',
+            ),
+        ),
+        f"{LAYERS}::test_a_pixel_of_a_film_lies_between_the_ends_of_its_interval",
+    ),
+    Mutant(
+        "a camera that rolls against the key",
+        "view/pose.py",
+        (("rotate(tuple(back), -math.degrees(by))", "rotate(tuple(back), math.degrees(by))"),),
+        f"{POSE}::test_a_roll_turns_the_camera_with_the_clock_and_the_picture_against_it",
+    ),
+    Mutant(
+        "a camera of the view whose arm turns about its lens",
+        "view/pose.py",
+        (
+            (
+                "to_world = placed.motion.at(0.0) @ to_world",
+                "to_world = to_world @ placed.motion.at(0.0)",
+            ),
+        ),
+        f"{POSE}::test_a_camera_that_moves_starts_where_it_is_when_its_shutter_opens",
+    ),
+    Mutant(
+        "a sphere between two ends that have changed places",
+        "formats/pbrt/shapes.py",
+        (
+            (
+                'sorted([p.number("zmin", -radius), p.number("zmax", radius)])',
+                '[p.number("zmin", -radius), p.number("zmax", radius)]',
+            ),
+        ),
+        f"{ORDER}::test_the_ends_of_a_shape_may_change_places",
+    ),
+    Mutant(
+        "a file that is turned wherever it stands",
+        "formats/pbrt/shapes.py",
+        (("key = (path, placed.reverse, placed.textured)", "key = (path, placed.textured)"),),
+        f"{ORDER}::test_a_file_that_stands_twice_may_be_turned_in_one_place",
+    ),
+)
