@@ -15,6 +15,14 @@ TYPES = {
 FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
+def opened(read, data):
+    """What is read, and why it is not; one of the two is None."""
+    try:
+        return read(data), None
+    except SceneError as error:
+        return None, str(error)
+
+
 def packed(value, kind, order):
     return f"{value:g} ".encode() if not order else np.array(value, order + kind).tobytes()
 
@@ -73,7 +81,8 @@ def test_ply_files_hold_what_was_put_into_them(order, newline):
     rng = np.random.default_rng(109)
     for _ in range(4):
         tables, points, faces = some_tables(rng)
-        mesh = ply.read(ply_file(rng, tables, order, newline))
+        mesh, problem = opened(ply.read, ply_file(rng, tables, order, newline))
+        assert problem is None
         np.testing.assert_array_equal(mesh.vertices, points)
         assert turned(mesh.faces) == turned(faces)
         assert mesh.normals is mesh.uvs is mesh.colors is None
@@ -102,15 +111,16 @@ VERTEX = "element vertex 1\nproperty float x\nproperty float y\nproperty float z
     ],
 )
 def test_headers_that_make_no_sense_are_refused(header, says):
-    with pytest.raises(SceneError, match=says):
-        ply.read(f"ply\n{header}end_header\n0 0 0\n".encode())
+    _, problem = opened(ply.read, f"ply\n{header}end_header\n0 0 0\n".encode())
+    assert says in str(problem)
 
 
 def test_lists_of_floats_may_be_counted_by_whole_numbers():
     """What they hold means nothing to us; the rows behind it do."""
     text = f"ply\nformat ascii 1.0\n{VERTEX}property list uchar float w\n"
     text += "element face 1\nproperty list uchar int vertex_index\nend_header\n"
-    mesh = ply.read(f"{text}1 2 3 2 0.5 0.25\n3 0 0 0\n".encode())
+    mesh, problem = opened(ply.read, f"{text}1 2 3 2 0.5 0.25\n3 0 0 0\n".encode())
+    assert problem is None
     assert mesh.vertices.tolist() == [[1, 2, 3]]
 
 
@@ -131,6 +141,8 @@ def test_corners_of_obj_files_count_from_the_start_or_from_the_end():
                 ends = corners - counts
                 forward.append("f " + " ".join("/".join(map(str, c + 1)) for c in corners))
                 backward.append("f " + " ".join("/".join(map(str, c)) for c in ends))
-        one, other = (obj.read("\n".join(lines).encode()) for lines in (forward, backward))
+        files = ["\n".join(lines).encode() for lines in (forward, backward)]
+        (one, _), (other, problem) = (opened(obj.read, data) for data in files)
+        assert problem is None
         for a, b in zip(one[:4], other[:4], strict=True):
             np.testing.assert_array_equal(a, b)

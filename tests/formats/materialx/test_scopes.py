@@ -59,6 +59,7 @@ def test_files_that_are_included_look_beside_themselves(tmp_path):
     (deep / "c.mtlx").write_text(TEXT.format(**words | {"file": ' colorspace="c/"'}))
     text = include.format(' colorspace="a/"', "one/b.mtlx")
     report = Report()
-    found = picture_of(Document(text, "a.mtlx", tmp_path, Reach(tmp_path), report))
+    document = Document(text, "a.mtlx", tmp_path, Reach(tmp_path), report)
     assert not report.issues
+    found = picture_of(document)
     assert (found.asset, found.space) == (deep, "c/")
