@@ -14,6 +14,7 @@ PLACES = "tests/formats/usd/test_places.py"
 SKINS = "tests/formats/usd/test_skins_askew.py"
 RANGES = "tests/formats/usd/test_ranges.py"
 NAMES = "tests/formats/pbrt/test_names_of_textures.py"
+RADIANCE = "tests/outputs/test_radiance.py"
 KEPT = "tests/formats/pbrt/test_kept_transforms.py"
 RIBBONS = "tests/formats/pbrt/test_more_shapes.py"
 ORDER = "tests/formats/pbrt/test_order_plays_no_part.py"
@@ -256,6 +257,29 @@ READERS = (
             ),
         ),
         f"{NAMES}::test_a_texture_is_in_the_space_of_its_definition_and_nothing_else_is",
+    ),
+    Mutant(
+        "of several exposures of a picture the last one",
+        "outputs/hdr.py",
+        (("product *= float(value)", "product = float(value)"),),
+        f"{RADIANCE}::test_all_exposures_of_a_picture_are_undone",
+    ),
+    Mutant(
+        "runs of 128 bytes as they are that are taken for none",
+        "outputs/hdr.py",
+        (
+            (
+                "run = code - 128 if code > 128 else code",
+                "run = code - 128 if code >= 128 else code",
+            ),
+        ),
+        f"{RADIANCE}::test_runs_of_all_lengths_are_read",
+    ),
+    Mutant(
+        "inches per pixel in an OpenEXR file",
+        "outputs/exr.py",
+        (("float(display.dpi)", "1.0 / float(display.dpi)"),),
+        f"{RADIANCE}::test_the_resolution_of_an_exr_is_in_dots_per_inch",
     ),
     Mutant(
         "what moves inside of TransformBegin moves on behind it",

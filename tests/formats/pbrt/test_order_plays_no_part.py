@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from alight.core.errors import SceneError
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays
 from alight.scene.flatten import flatten
@@ -12,10 +13,13 @@ from tests.formats.pbrt.reading import read
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
 @pytest.mark.parametrize(("low", "high"), [(-0.25, 0.5), (0.125, 0.75)])
 def test_the_ends_of_a_shape_may_change_places(kind, low, high):
-    scenes = [
-        flatten(read(f'Shape "{kind}" "float zmin" {a} "float zmax" {b}'))
-        for a, b in ((low, high), (high, low))
-    ]
+    scenes, said = [], ""
+    try:
+        for a, b in ((low, high), (high, low)):
+            scenes.append(flatten(read(f'Shape "{kind}" "float zmin" {a} "float zmax" {b}')))
+    except SceneError as error:
+        said = str(error)
+    assert said == ""
     one, other = (scene.shapes[0] for scene in scenes)
     assert one.shape == other.shape
     np.testing.assert_array_equal(one.to_world, other.to_world)
