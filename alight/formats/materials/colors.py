@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 import numpy as np
 
 from alight.core.errors import quote
-from alight.core.spectra import to_linear_srgb
+from alight.core.spectra import reduction_error, to_linear_srgb
 from alight.formats.reading.packed import content_of
 from alight.formats.reading.reach import OutOfReachError, Reach
 
@@ -25,8 +25,8 @@ Role = Literal["reflectance", "index", "light"]
 Item = TypeVar("Item")
 
 LARGEST = 1e15
-#: What is lost of a spectrum is told if it is more than this part of its brightest channel.
-TOLD = 0.01
+#: The least error of a reduction that is told.
+TOLD = 0.02
 MOST_BYTES = 2**20
 
 
@@ -75,14 +75,17 @@ class ColorReader(ABC, Generic[Item]):
     def _read(self, item: Item, role: Role) -> Color | None:
         """Find the colour; None after a problem that has been reported."""
 
-    def reduced(self, item: Item, pairs: Pairs, role: Role) -> Color:
-        """Reduce a spectrum to linear sRGB, and say what that loses where it is much."""
-        told = losses(pairs, role)
-        if told:
-            self.report.warn(item, f"is a spectrum, which became linear sRGB: {'; '.join(told)}")
-        color = to_linear_srgb(*pairs, shines=role == "light")
-        # A surface that is too bright by rounding, or in a channel that sRGB cannot show.
-        return [min(channel, 1.0) for channel in color] if role == "reflectance" else color
+    def _tell_error(self, item: Item, pairs: Pairs, role: Role) -> None:
+        """Say how far light is off where three numbers stand for a spectrum."""
+        if role == "index":
+            return
+        seen, again = reduction_error(*pairs, shines=role == "light")
+        if max(seen, again) < TOLD:
+            return
+        after = "" if role == "light" else f", after two reflections by {100.0 * again:.0f} %,"
+        off = f"it is seen off by {100.0 * seen:.0f} %{after} of its largest channel"
+        text = f"is reduced to linear sRGB: {off}"
+        self.report.warn(item, text)
 
     def _pairs_of_file(self, name: str) -> Pairs:
         """Read a file of lines "wavelength value", ``#`` before remarks, once."""
@@ -140,29 +143,8 @@ def checked(wavelengths: np.ndarray, values: np.ndarray) -> Pairs:
     return wavelengths, values
 
 
-def losses(pairs: Pairs, role: Role) -> list[str]:
-    """What three numbers cannot hold of a spectrum, in words; nothing if it is little.
-
-    Parameters
-    ----------
-    pairs : pair of (n,) float64
-    role : {"reflectance", "index", "light"}
-    """
-    wavelengths, values = pairs
-    shines, is_matte = role == "light", role == "reflectance"
-    exact = to_linear_srgb(wavelengths, values, shines=shines, clipped=False)
-    brightest = max(*exact, 1e-30)
-    over = max(exact) - 1.0 if is_matte else 0.0
-    found = []
-    if max(-min(exact), over) > TOLD * brightest:
-        share = max(-min(exact), over) / brightest
-        found.append(f"its colour lies outside, and {share:.2g} of its brightest channel was cut")
-    if is_matte:
-        # Of a spectrum that is linear between its wavelengths, the square is not.
-        fine = np.union1d(wavelengths, np.arange(360.0, 830.5, 1.0))
-        once = np.interp(fine, wavelengths, values, left=0.0, right=0.0)
-        twice = np.array(to_linear_srgb(fine, once * once, shines=False))
-        off = float(np.abs(np.clip(exact, 0.0, 1.0) ** 2 - twice).max() / max(*twice, 1e-30))
-        if off > TOLD:
-            found.append(f"light that it reflects twice is off by up to {off:.2g} of the brightest")
-    return found
+def reduced(pairs: Pairs, role: Role) -> Color:
+    """Reduce a spectrum to linear sRGB."""
+    color = to_linear_srgb(*pairs, shines=role == "light")
+    # A surface that is too bright by rounding, or in a channel that sRGB cannot show.
+    return [min(channel, 1.0) for channel in color] if role == "reflectance" else color

@@ -9,7 +9,7 @@ import numpy as np
 from alight.core.errors import quote
 from alight.core.spectra import blackbody, to_linear_srgb
 from alight.core.srgb import decode_srgb
-from alight.formats.materials.colors import Color, ColorReader, Role, checked
+from alight.formats.materials.colors import Color, ColorReader, Pairs, Role, checked, reduced
 from alight.formats.mitsuba.properties import Properties
 from alight.formats.reading.numbers import NotNumbersError, parse_number, parse_numbers
 from alight.formats.reading.xml import Element
@@ -48,12 +48,16 @@ class Colors(ColorReader[Element]):
             return self._plugin(element, role)
         if "filename" in element:
             pairs = self._pairs_of_file(element.attributes["filename"])
-            return self.reduced(element, pairs, role)
+            return self._reduced(element, pairs, role)
         text = _value(element)
         if ":" not in text:
             return _uniform(parse_numbers(text, 1)[0], role)
         words = re.sub(r"\s*:\s*", ":", text).replace(",", " ").split()
-        return self.reduced(element, _pairs([word.split(":") for word in words]), role)
+        return self._reduced(element, _pairs([word.split(":") for word in words]), role)
+
+    def _reduced(self, element: Element, pairs: Pairs, role: Role) -> Color:
+        self._tell_error(element, pairs, role)
+        return reduced(pairs, role)
 
     def _plugin(self, element: Element, role: Role) -> Color | None:
         """Read ``<spectrum type="...">``."""
@@ -79,7 +83,7 @@ class Colors(ColorReader[Element]):
             p.ignore("all wavelengths that are seen count", "wavelength_min", "wavelength_max")
             return _hot(p.number("temperature", 5000.0), p.number("scale", 1.0) or 0.0)
         if kind in ("regular", "irregular"):
-            return self.reduced(element, _sampled(kind, p), role)
+            return self._reduced(element, _sampled(kind, p), role)
         self.report.unknown(element, "spectrum", element.type, _PLUGINS, "0.5 is taken")
         p.named.clear()
         p.objects.clear()
@@ -128,7 +132,7 @@ def _hexadecimal(text: str) -> Color:
 def _uniform(value: float, role: Role) -> Color:
     if role != "light":
         return [value] * 3
-    return to_linear_srgb(np.array([1.0, 1000.0]), np.array([value, value]), shines=True)
+    return reduced((np.array([1.0, 1000.0]), np.array([value, value])), role)
 
 
 def _hot(temperature: float, scale: float) -> Color:

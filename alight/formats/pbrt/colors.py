@@ -20,6 +20,7 @@ from alight.formats.materials.colors import (
     Pairs,
     Role,
     pairs_of,
+    reduced,
 )
 from alight.formats.materials.metals import METALS
 from alight.formats.pbrt.directives import Parameter
@@ -148,8 +149,11 @@ class Colors(ColorReader[Parameter]):
         return self._reduced(parameter, self._pairs_of_file(name), role)
 
     def _reduced(self, parameter: Parameter, pairs: Pairs, role: Role) -> Color:
-        color = self.reduced(parameter, pairs, role)
-        return _of_luminance_one(pairs) if role == "light" and not self.old else color
+        if not self.old:  # pbrt 3 reduces spectra as well.
+            self._tell_error(parameter, pairs, role)
+        if role == "light" and not self.old:
+            return _of_luminance_one(pairs)
+        return reduced(pairs, role)
 
 
 def _of_luminance_one(pairs: Pairs) -> Color:
