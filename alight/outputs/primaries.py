@@ -41,7 +41,7 @@ class Primaries(NamedTuple):
     Attributes
     ----------
     name : str
-        Of a known space, or the numbers.
+        Of a known space, with its white where that is another one, or the numbers.
     to_srgb : (3, 3) float64, optional
         To linear sRGB, white to white; None where the primaries span no space.
     """
@@ -51,7 +51,7 @@ class Primaries(NamedTuple):
 
 
 def foreign_primaries(path: Path) -> Primaries | None:
-    """The primaries of an OpenEXR file; None for those of sRGB, and if none are said."""
+    """The primaries of an OpenEXR file; None for sRGB with its own white, and if none are said."""
     try:
         said = exr.read_header(path).get("chromaticities")
         values = np.asarray(said, np.float64).ravel() if said is not None else None
@@ -63,7 +63,12 @@ def foreign_primaries(path: Path) -> Primaries | None:
     white = tuple(values[6:8]) if values.size >= 8 else _D65
     for name, known in _KNOWN.items():
         if np.abs(values[:6] - known).max() < _CLOSE:
-            return None if name == "sRGB" else Primaries(name, _to_srgb(values[:6], white))
+            if name != "sRGB":
+                return Primaries(name, _to_srgb(values[:6], white))
+            if np.abs(np.subtract(white, _D65)).max() < _CLOSE:
+                return None
+            said = f"sRGB with the white xy {white[0]:.3g} {white[1]:.3g}"
+            return Primaries(said, _to_srgb(values[:6], white))
     name = "xy " + ", ".join(f"{x:.3g} {y:.3g}" for x, y in values[:6].reshape(3, 2))
     return Primaries(name, _to_srgb(values[:6], white))
 

@@ -17,6 +17,7 @@ from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.foreign import FOREIGN
 from tests.mutants.formats import FORMATS
+from tests.mutants.graphs import GRAPHS
 from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
@@ -33,6 +34,7 @@ from tests.mutants.one_of_two import ONE_OF_TWO
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
+from tests.mutants.readers import READERS
 from tests.mutants.rendering_space import RENDERING_SPACE
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.shadows import SHADOWS
@@ -93,6 +95,8 @@ MUTANTS = (
     + STRANDS
     + EVERYDAY
     + FOREIGN
+    + READERS
+    + GRAPHS
     + LAID_DOWN
     + BEYOND_EXAMPLES
     + ONE_OF_TWO

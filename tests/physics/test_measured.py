@@ -111,6 +111,34 @@ def test_spectra_are_reduced_in_daylight_and_it_is_said(tmp_path):
     assert found.arrays["rgb"].min() == 0.0
 
 
+@pytest.mark.parametrize(
+    ("waves", "says"),
+    [
+        ((360.0, 500.0, 600.0, 830.0), []),
+        ((410.0, 500.0, 600.0, 670.0), []),
+        ((200.0, 500.0, 600.0, 2500.0), ["go beyond 360 to 830 nm"]),
+        ((360.0, 500.0, 600.0, 831.0), ["go beyond 360 to 830 nm"]),
+        ((450.0, 500.0, 600.0, 830.0), ["do not reach from 410 to 670 nm"]),
+        ((300.0, 500.0, 550.0, 600.0), ["go beyond", "do not reach"]),
+    ],
+)
+def test_wavelengths_that_are_not_seen_or_lack_are_told(waves, says, tmp_path):
+    index = {"eta": (0.2,) * 4, "k": (3.0,) * 4}
+    fields = metal(0.5, **index, thetas=(0.0, 1.0), facets=(9, 9), colors=4, wavelengths=waves)
+    _, notes = read_measurement(write(tmp_path / "a.bsdf", fields))
+    assert len(notes) == 1 + len(says)
+    assert all(text in note for text, note in zip(says, notes, strict=False))
+
+
+@pytest.mark.parametrize("waves", [(0.36, 0.5, 0.6, 0.83), (900.0, 1000.0, 1500.0, 2000.0)])
+def test_wavelengths_of_which_none_is_seen_are_refused(waves, tmp_path):
+    """Micrometres, or infrared light."""
+    index = {"eta": (0.2,) * 4, "k": (3.0,) * 4}
+    fields = metal(0.5, **index, thetas=(0.0, 1.0), facets=(9, 9), colors=4, wavelengths=waves)
+    with pytest.raises(SceneError, match=r"wavelengths must be in nm, and some of them in"):
+        read_measurement(write(tmp_path / "a.bsdf", fields))
+
+
 def test_points_of_the_square_come_back():
     rng = np.random.default_rng(6)
     density = rng.random((2, 3, 7, 5)).astype(np.float32) ** 2

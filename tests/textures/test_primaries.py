@@ -78,6 +78,31 @@ def test_those_of_srgb_are_not(tmp_path, chromaticities):
     assert notes_of(tmp_path, chromaticities) == []
 
 
+#: xy of daylight of 5 000 K, and Bradford's matrix from it to D65 in XYZ (CIE 15, Lindbloom).
+D50 = (0.34567, 0.35851)
+FROM_D50 = [[0.9555766, -0.0230393, 0.0631636], [-0.0282895, 1.0099416, 0.0210077],
+            [0.0122982, -0.0204830, 1.3299098]]  # fmt: skip
+
+
+def test_those_of_srgb_with_another_white_are_converted(tmp_path):
+    """White stays white, and colours are those of primaries which add up to that white."""
+    said = (*SRGB[:6], *D50)
+    (note,) = notes_of(tmp_path, said)
+    assert note.startswith('"a.exr": its primaries are not those of sRGB (sRGB with the white')
+    columns = np.array([[x / y, 1.0, (1.0 - x - y) / y] for x, y in np.reshape(SRGB[:6], (3, 2))]).T
+    of_white = [np.linalg.solve(columns, [x / y, 1.0, (1 - x - y) / y]) for x, y in (D50, SRGB[6:])]
+    file, ours = (columns * weights for weights in of_white)
+    colors = np.array([[[0.5, 0.4, 0.3], [0.3, 0.35, 0.4]]], np.float32)
+    texels, _ = read(tmp_path, said, colors)
+    wanted = colors @ (np.linalg.inv(ours) @ np.array(FROM_D50) @ file).T
+    np.testing.assert_allclose(texels, wanted, atol=2e-4)
+    assert np.abs(texels - colors).max() > 0.005
+
+
+def test_a_white_that_is_rounded_is_that_of_srgb(tmp_path):
+    assert notes_of(tmp_path, (*SRGB[:6], 0.313, 0.329)) == []
+
+
 def test_numbers_that_are_no_colours_stay_as_they_are(tmp_path):
     """Of one file, read once for each use."""
     numbers = np.array([[[0.7, 0.4, 0.95]]], np.float32)

@@ -6,13 +6,14 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+import alight
 from alight.cameras.basis import project_points
 from alight.cameras.model import CAMERAS
 from alight.cameras.orthographic import Orthographic
 from alight.cameras.pinhole import Pinhole
 from alight.cameras.thin_lens import ThinLens
-from alight.scene import look_at, scale
-from alight.scene.flatten import PlacedCamera
+from alight.scene import look_at, rotate, scale
+from alight.scene.flatten import PlacedCamera, place_camera
 from alight.view import protocol
 from alight.view.pose import POLE, Pose
 
@@ -63,6 +64,33 @@ def test_a_drag_to_the_right_turns_the_scene_to_the_right_and_down_looks_from_ab
     turned = pose.moved(protocol.Orbit(0.05, 0.0), SIZE)
     assert on_film(turned, near)[0] > SIZE[0] / 2
     assert pose.moved(protocol.Orbit(0.0, 0.1), SIZE).origin[1] > 0.1
+
+
+def test_a_roll_turns_the_camera_with_the_clock_and_the_picture_against_it():
+    """What was to the right of the middle is above it then."""
+    pose = Pose.of(PlacedCamera(Pinhole(), look_at((0, 0, 4), (0, 0, 0)).matrix))
+    middle, right = on_film(pose, np.zeros(3)), np.array([1.0, 0.0, 0.0])
+    x, y = on_film(pose.moved(protocol.Roll(0.5 * np.pi), SIZE), right) - middle
+    np.testing.assert_allclose([x, -y], [0.0, (on_film(pose, right) - middle)[0]], atol=1e-9)
+
+
+def test_a_camera_that_moves_starts_where_it_is_when_its_shutter_opens():
+    """Below a node that moves and turns."""
+    turns = [
+        {"time": time, "steps": [{"rotate": {"axis": "y", "angle": 120.0 * time}},
+                                 {"translate": [4.0 * time, 0.0, 1.0]}]}
+        for time in (0.0, 1.0)
+    ]  # fmt: skip
+    eye = {
+        "camera": {"type": "pinhole", "shutter": [0.25, 1.0]},
+        "transform": [{"rotate": {"axis": "x", "angle": 30.0}}, {"translate": [1.0, 2.0, 3.0]}],
+    }
+    arm = {"transform": {"keyframes": turns}, "children": {"eye": eye}}
+    nodes = {"arm": arm, "ball": {"shape": "sphere"}}
+    scene = alight.load({"alight": 1, "camera": "arm/eye", "nodes": nodes})
+    turn, own = rotate("y", 30.0).matrix.copy(), rotate("x", 30.0).matrix.copy()
+    turn[:3, 3], own[:3, 3] = (1.0, 0.0, 1.0), (1.0, 2.0, 3.0)
+    np.testing.assert_allclose(Pose.of(place_camera(scene)).to_world, turn @ own, atol=1e-12)
 
 
 def test_an_orbit_ends_at_the_poles():

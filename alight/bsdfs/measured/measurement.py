@@ -21,12 +21,16 @@ from numpy.typing import NDArray
 from pydantic_core import PydanticCustomError, core_schema
 
 from alight.bsdfs.measured.tensor_file import Arrays, parse_tensors, write_tensors
+from alight.core.cie import WAVELENGTHS
 from alight.core.errors import Issue, SceneError, quote, show_value
 from alight.core.fields import LARGEST, invalid
 from alight.core.spectra import reflectance_weights
 
 #: Largest file, bytes, and most numbers of one measurement: floats count them exactly.
 MOST_BYTES, MOST_NUMBERS = 1 << 28, 1 << 23
+
+#: Nanometres: beyond them lies less than 1 % of each of the observer's curves in daylight.
+_VIOLET, _RED = 410.0, 670.0
 
 #: Name -> dimensions of the arrays that every file has.
 _DIMENSIONS = {"theta_i": 1, "phi_i": 1, "ndf": 2, "sigma": 2, "vndf": 4, "luminance": 4, "rgb": 5}
@@ -186,8 +190,22 @@ def _reduced(arrays: Arrays, note: Callable[[str], None]) -> Array:
         raise invalid(f"{text}, got {spectra.shape} for {wavelengths.size} wavelengths")
     if not (np.isfinite(wavelengths).all() and np.all(np.diff(wavelengths) > 0.0)):
         raise invalid("wavelengths must ascend")
+    first, last = float(wavelengths[0]), float(wavelengths[-1])
+    if last <= WAVELENGTHS[0] or first >= WAVELENGTHS[-1]:
+        text = "wavelengths must be in nm, and some of them in (360, 830), which the eye sees"
+        raise invalid(f"{text}, got {first:g} to {last:g}")
     if not (np.abs(spectra) <= LARGEST).all():
         raise invalid(f"spectra must be finite and at most {LARGEST:g} in size")
+    if first < WAVELENGTHS[0] or last > WAVELENGTHS[-1]:
+        note(
+            f"its wavelengths, {first:g} to {last:g} nm, go beyond 360 to 830 nm: what lies there "
+            "is not seen and was left out"
+        )
+    if first > _VIOLET or last < _RED:
+        note(
+            f"its wavelengths, {first:g} to {last:g} nm, do not reach from {_VIOLET:g} to "
+            f"{_RED:g} nm: beyond them it is as at the nearest one"
+        )
     weights = reflectance_weights(np.array(wavelengths, np.float64)).astype(np.float32)
     rgb = np.einsum("ptlhw,cl->ptchw", spectra, weights)
     least = float(rgb.min())

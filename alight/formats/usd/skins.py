@@ -5,6 +5,7 @@ Source: Pixar, OpenUSD documentation, "UsdSkel: Skinning, Binding and Blend Shap
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,14 +85,16 @@ def _pose(stage: Stage, skeleton: Any, target: Any, placed: Any, places: Any) ->
     influences = target.ComputeVaryingJointInfluences(count, stage.time)
     if not moves or not influences:
         return None
-    order = target.GetJointMapper()
-    moves = order.RemapTransforms(moves) if order else moves
+    moves = np.array(moves).reshape(-1, 4, 4)
+    own = target.GetJointOrder()
+    if own is not None:
+        moves = _in_order(moves, skeleton.GetJointOrder(), own, np.eye(4))
     if target.GetSkinningMethod() == UsdSkel.Tokens.dualQuaternion:
         stage.report.approximate(f"{prim.GetPath()}: joints are blended linearly, not as rotations")
     bound = np.array(target.GetGeomBindTransform(stage.time))
     back = np.array(placed * places.GetLocalToWorldTransform(prim).GetInverse())
     with np.errstate(over="ignore", invalid="ignore"):
-        matrices = (bound @ np.array(moves).reshape(-1, 4, 4) @ back).transpose(0, 2, 1)
+        matrices = (bound @ moves @ back).transpose(0, 2, 1)
     joints, weights = (np.array(part) for part in influences)
     fits = count > 0 and len(joints) == len(weights) and len(joints) % count == 0
     if not fits or not 0 <= joints.min(initial=0) <= joints.max(initial=0) < len(matrices):
@@ -102,6 +105,15 @@ def _pose(stage: Stage, skeleton: Any, target: Any, placed: Any, places: Any) ->
     return Pose(joints.reshape(shape).astype(np.int64), weights.reshape(shape), matrices, shifts)
 
 
+def _in_order(rows: Any, given: Sequence[str], wanted: Sequence[str], absent: Any) -> Any:
+    """Rows that stand in the order of some names, in that of others; `absent` where there is none.
+
+    The mappers of OpenUSD do this, but not for whole arrays of Python.
+    """
+    place = {name: number for number, name in enumerate(given)}
+    return np.array([rows[place[name]] if name in place else absent for name in wanted])
+
+
 def _shifts(stage: Stage, skeleton: Any, target: Any, count: int) -> Rows:
     """What blend shapes add to the points of a mesh, with the weights of the animation."""
     shifts = np.zeros((count, 3))
@@ -109,10 +121,10 @@ def _shifts(stage: Stage, skeleton: Any, target: Any, count: int) -> Rows:
     if not target.HasBlendShapes() or not animation:
         return shifts
     weights = animation.ComputeBlendShapeWeights(stage.time)
-    order = target.GetBlendShapeMapper()
-    weights = order.Remap(weights) if order and weights else weights
     if not weights:
         return shifts
+    names = animation.GetBlendShapeOrder(), target.GetBlendShapeOrder()
+    weights = _in_order(np.array(weights, np.float64), *names, 0.0).tolist()
     query = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(target.GetPrim()))
     if len(weights) != query.GetNumBlendShapes():
         return shifts

@@ -143,10 +143,13 @@ class Textures:
     def _sampled(self, shader: Any, output: str, is_color: bool, high: float) -> Any:
         picture = self.bitmap(shader, is_color=is_color)
         if picture is None:
-            found = self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
             if self._input(shader, "fallback") is None:
                 return None
-            return [float(c) for c in found][:3] if is_color else float(found[0])
+            found = [float(c) for c in self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))]
+            if is_color and output not in _CHANNELS:
+                return found[:3]
+            one = found[_CHANNELS.index(output) if output in _CHANNELS else 0]
+            return [one] * 3 if is_color else one
         scale, bias = self._range(shader)
         which = slice(3)
         if output in _CHANNELS or not is_color:

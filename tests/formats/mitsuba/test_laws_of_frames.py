@@ -11,6 +11,7 @@ import pytest
 
 from alight.cameras.rays import unproject
 from alight.filters.model import FILTERS
+from alight.formats.mitsuba.transforms import _any_up
 from tests.formats.mitsuba.reading import FILES, read, read_bsdf
 
 BALL = '<shape type="sphere" id="it">{}</shape>'
@@ -198,3 +199,13 @@ def test_bitmaps_are_looked_up_row_by_row_from_their_top(old):
     found = read_bsdf(texture, 'type="diffuse"', "0.6.0" if old else "3.0.0")
     s, t, one = found.reflectance.lookup()[0], found.reflectance.lookup()[1], np.array([0, 0, 1.0])
     np.testing.assert_allclose([s, one - t], place, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_stands_in_for_up_is_at_right_angles_to_the_view(seed):
+    """The first axis of a frame about the view, of any length and in all octants."""
+    rng = np.random.default_rng([109, seed])
+    view = rng.uniform(0.1, 3.0, 3) * [1 - 2 * (seed >> bit & 1) for bit in range(3)]
+    up = np.array(_any_up(view))
+    assert abs(up @ view) < 1e-9 * np.linalg.norm(view)
+    assert np.linalg.norm(up) == pytest.approx(1.0)

@@ -105,6 +105,9 @@ def test_ribbons_face_as_their_normals_say():
     np.testing.assert_allclose(mesh.vertices[:, 1], 0.0, atol=1e-7)
     np.testing.assert_allclose(mesh.normals, np.tile([0, 1, 0], (len(mesh.vertices), 1)))
     np.testing.assert_allclose(np.abs(mesh.vertices[:2, 0]), 0.2, rtol=1e-6)
+    # Their triangles face there, too.
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    assert (np.cross(b - a, c - a)[:, 1] > 0.0).all()
     assert "needs 2 normals" in messages(body.replace("0 1 0  0 1 0", "0 1 0"))[0]
 
 

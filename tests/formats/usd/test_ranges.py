@@ -74,3 +74,18 @@ def test_what_shines_may_be_brighter_than_1(load):
     emission = "color3f inputs:emissiveColor.connect = </m/picture.outputs:rgb>"
     _, warnings = principled(load, emission, (5, 5, 5, 1), (0, 0, 0, 0))
     assert not any("they are cut" in line for line in warnings)
+
+
+@pytest.mark.parametrize(("output", "value"), [("r", 0.1), ("g", 0.2), ("b", 0.3), ("a", 0.4)])
+def test_without_a_picture_the_output_of_the_fallback_is_taken(load, output, value):
+    """Each of its channels by itself, as number and as colour."""
+    inputs = f"{COLOR.replace('rgb', output)}\n        {NUMBER.replace('g>', f'{output}>')}"
+    text = MATERIAL % (inputs, SQUARE)
+    fallback = "float4 inputs:fallback = (0.1, 0.2, 0.3, 0.4)"
+    text = text.replace("asset inputs:file = @p.png@", fallback)
+    for name in "rba":
+        text = text.replace("float outputs:g", f"float outputs:{name}\n        float outputs:g", 1)
+    assert fallback in text
+    (bsdf,) = flatten(load(text)).bsdfs
+    assert bsdf.bsdf.roughness == pytest.approx(value)
+    assert bsdf.bsdf.base_color == pytest.approx((value,) * 3)
