@@ -57,9 +57,9 @@ def targets(
         powers[far] = power
     if not rows:
         return np.zeros(0, np.float32)
-    return np.concatenate([by_power(powers), spheres.ravel(), [far, len(casters)], casters.ravel()]).astype(
-        np.float32
-    )
+    return np.concatenate(
+        [by_power(powers), spheres.ravel(), [far, len(casters)], casters.ravel()]
+    ).astype(np.float32)
 
 
 def _is_aimed_at(row: LightRow) -> bool:

@@ -58,7 +58,7 @@ class Landed(NamedTuple):
 
 
 def with_photons(program: Program, tables: Any, center: np.ndarray, radius: float) -> Any:
-    """The tables of a scene, with photons of what is aimed at.
+    """The tables of a scene, with photons of what is aimed at; none where something moves.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def with_photons(program: Program, tables: Any, center: np.ndarray, radius: floa
         Of a ball around the scene.
     """
     table = tables.lights.targets.array
-    flight = _setting_out(program, tables, table, center, radius)
+    flight = None if program.motion else _setting_out(program, tables, table, center, radius)
     if flight is None:
         return tables
     landed = _landed(program, tables, flight)
@@ -120,20 +120,16 @@ def _landed(program: Program, tables: Any, flight: _Flight) -> Landed:
     last, turned, found = o, np.zeros(len(o), bool), []
     for _ in range(MOST_SURFACES):
         n = len(o)
-        if program.motion:
-            # As the shutter opens: kernels of scenes with motion ask for a time.
-            now = namedtuple("Now", (*tables._fields, "time"))  # type: ignore[attr-defined]
-            at = now(*tables, np.zeros(n, np.float32))
-        else:
-            at = tables
         end = np.full(n, np.inf, np.float32)
         hit = closest_hits(program, tables, _columns(o), _columns(d), end)
         met = np.isfinite(hit.t)
-        surface = _twin(make_surface, program)(at, hit, _columns(o), _columns(d), met)
+        surface = _twin(make_surface, program)(tables, hit, _columns(o), _columns(d), met)
         if disperses(program):
             surface = surface._replace(wavelength=np.full(n, _GREEN))
         u, x, y = random.random((3, n)).astype(np.float32)
-        flags, pdf, w, origin = _twin(_scattered, program)(at, surface, _columns(d), u, (x, y), met)
+        flags, pdf, w, origin = _twin(_scattered, program)(
+            tables, surface, _columns(d), u, (x, y), met
+        )
         flags, p = np.broadcast_to(flags, n), _rows(surface.p, n).astype(np.float32)
         going = met & (np.broadcast_to(pdf, n) > 0.0)
         sharp, hole = (flags & DELTA) != 0, (flags & NULL) != 0
@@ -154,9 +150,7 @@ def _scattered(scene, surface, d, u, u2, active):
     """(flags, pdf, direction, origin) of the ray that goes on."""
     back = Vec3(-dot(d, surface.s), -dot(d, surface.t), -dot(d, surface.ns))
     sample = sample_bsdf(scene, surface, back, u, u2, active)
-    w = normalize(
-        sample.wi.x * surface.s + sample.wi.y * surface.t + sample.wi.z * surface.ns
-    )
+    w = normalize(sample.wi.x * surface.s + sample.wi.y * surface.t + sample.wi.z * surface.ns)
     return sample.flags, sample.pdf, w, spawn_origin(surface.p, surface.error, surface.ng, w)
 
 

@@ -16,13 +16,13 @@ rendering with lightweight photon mapping, 2018, for photons that only guide.
 from __future__ import annotations
 
 from alight.core.rng import mix
-from alight.core.vec import Vec3, gather_vec3
+from alight.core.vec import gather_vec3
 from alight.lights.targets import end_of_boxes
 from lanewise.jit import kernel
 from lanewise.simd import floor, gather, lanes_mask, lanes_u32, minimum, to_uint, where
 
 #: Buckets of cells, a power of two.
-BUCKETS = 1 << 13
+BUCKETS = 1 << 15
 
 #: Cells are counted from so far below the origin.
 _BELOW = 32768.0
