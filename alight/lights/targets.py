@@ -5,8 +5,8 @@ of those that can be aimed at, and then for each light the middle and the radius
 its shape as it rests, metres; the radius is 0 of lights that are no targets. Of what is around the
 scene one disk is, the brightest: in the place of the sphere are the unit direction to its middle,
 and the sine of its half angle, negated. Then follow the row of that light, the number of boxes
-around shapes that are mirrors or clear glass, and two corners of each; `alight.lights.photons` tells
-the rest.
+around shapes that are mirrors or clear glass, and two corners of each. `alight.lights.photons`
+tells the rest.
 
 Delta lights have no size. From wherever they are seen they are taken for a disk of one small angle,
 with the irradiance that they have there: `FINE` is its sine, and stands in the table in the place

@@ -1,4 +1,4 @@
-"""Repeated searches: their count is one over their probability, however lanes are dealt out."""
+"""Repeated searches count one over their probability, however lanes are dealt out."""
 
 import numpy as np
 import pytest

@@ -38,8 +38,8 @@ STEP = 1e-3
 LONGEST = 0.3
 #: Steps that are tried, and how short a share of a step may become.
 MOST_TRIES, LEAST_SHARE = 25, 0.1
-#: Ellipses as large as a disk of this radius are no caustics: paths find these lamps easily. Where a
-#: caustic folds they are long and thin; the longer half axis may have this length.
+#: Ellipses as large as a disk of this radius are no caustics: paths find these lamps easily. Where
+#: a caustic folds they are long and thin; the longer half axis may have this length.
 WIDEST, LONGEST_AXIS = 0.3, 1.0
 #: Damping, as a share of the mean square of the derivatives: steps exist where J is singular.
 DAMPING = 1e-5
