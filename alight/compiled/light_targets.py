@@ -18,6 +18,8 @@ def targets(
 ) -> np.ndarray:
     """The choice of a target, the spheres of all lights, which one is a disk of the sky, and boxes.
 
+    Photons are still to come (`alight.compiled.photons`).
+
     Parameters
     ----------
     rows : list of LightRow
@@ -29,7 +31,7 @@ def targets(
 
     Returns
     -------
-    (n + 1 + 4 n + 1 + 6 k,) float32
+    (n + 1 + 4 n + 2 + 6 k,) float32
     """
     placed = np.array([row.shape >= 0 for row in rows], bool)
     points = {i: powers[i] for i, row in enumerate(rows) if _is_aimed_at(row) and powers[i] > 0.0}
@@ -55,9 +57,9 @@ def targets(
         powers[far] = power
     if not rows:
         return np.zeros(0, np.float32)
-    return np.concatenate([by_power(powers), spheres.ravel(), [far], casters.ravel()]).astype(
-        np.float32
-    )
+    return np.concatenate(
+        [by_power(powers), spheres.ravel(), [far, len(casters)], casters.ravel()]
+    ).astype(np.float32)
 
 
 def _is_aimed_at(row: LightRow) -> bool:

@@ -21,6 +21,7 @@ from alight.compiled.lights import CompiledLights, compile_lights, light_texture
 from alight.compiled.materials import compile_materials
 from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
+from alight.compiled.photons import with_photons
 from alight.compiled.program import Program
 from alight.compiled.rendering_space import WORLD, in_rendering_space, origin_for
 from alight.compiled.shapes import CompiledShapes, compile_shapes
@@ -206,6 +207,8 @@ def compile_scene(
         registered=versions(described(given)),
         environments=lights.environments,
     )
+    if flat.integrator.aims_at_lamps:
+        tables = with_photons(program, tables, shapes.center, shapes.radius)
     return CompiledScene(
         tables=tables,
         program=program,

@@ -4,8 +4,9 @@
 of those that can be aimed at, and then for each light the middle and the radius of a sphere around
 its shape as it rests, metres; the radius is 0 of lights that are no targets. Of what is around the
 scene one disk is, the brightest: in the place of the sphere are the unit direction to its middle,
-and the sine of its half angle, negated. Then follow the row of that light, and two corners of each
-box around a shape that is a mirror or clear glass.
+and the sine of its half angle, negated. Then follow the row of that light, the number of boxes
+around shapes that are mirrors or clear glass, and two corners of each. `alight.lights.photons`
+tells the rest.
 
 Delta lights have no size. From wherever they are seen they are taken for a disk of one small angle,
 with the irradiance that they have there: `FINE` is its sine, and stands in the table in the place
@@ -91,13 +92,25 @@ def choose_target(scene, u):
 @kernel
 def far_light(scene):
     """The row of the light whose disk is the target, where there is one; uniform."""
-    return as_int(scene.lights.targets[_boxes(scene) - 1])
+    return as_int(scene.lights.targets[_boxes(scene) - 2])
 
 
 @kernel
 def _boxes(scene):
     """Where the boxes of casters begin; uniform."""
-    return (scene.lights.info.size // INFO) * (1 + SPHERE) + 2
+    return (scene.lights.info.size // INFO) * (1 + SPHERE) + 3
+
+
+@kernel
+def _count_of_boxes(scene):
+    """How many there are; uniform."""
+    return as_int(scene.lights.targets[_boxes(scene) - 1])
+
+
+@kernel
+def end_of_boxes(scene):
+    """Where the photons begin; uniform."""
+    return _boxes(scene) + BOX * _count_of_boxes(scene)
 
 
 @kernel
@@ -107,7 +120,7 @@ def way_to_caster(scene, p, u, u3):
     The box is chosen by u, the point by a triple of numbers, all uniform in [0, 1).
     """
     first = _boxes(scene)
-    count = (scene.lights.targets.size - first) // BOX
+    count = _count_of_boxes(scene)
     # One too many by rounding is the last one.
     number = minimum_u32(to_uint(u * (1.0 * count)), lanes_u32(0) + max(count, 1) - 1)
     # Without any, what is read is another table's.

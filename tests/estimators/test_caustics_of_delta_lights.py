@@ -46,7 +46,7 @@ def test_lamps_light_the_ground_under_water():
     """The water is 1 m deep, the lamps hang 2 m above it, and the camera is below."""
     at, fov = 0.5, 40.0
     text = HEAD % (fov, f"0, {at}, 0.001", "0, 0, 0", "path", 3, ", caustics: manifold")
-    film = alight.render(loads(text + UNDER_WATER), spp=4096, seed=3)
+    film = alight.render(loads(text + UNDER_WATER), spp=6144, seed=3)
     a, error = blocks(film)
     edge = at * np.tan(np.radians(0.5 * fov))
     y, x = np.meshgrid(*[edge * ((np.arange(64) + 0.5) / 32.0 - 1.0)] * 2, indexing="ij")

@@ -34,8 +34,8 @@ BEYOND_EXAMPLES = (
         "lights/targets.py",
         (
             (
-                "count = (scene.lights.targets.size - first) // BOX",
-                "count = (scene.lights.targets.size - first) // BOX - 1",
+                "count = _count_of_boxes(scene)",
+                "count = _count_of_boxes(scene) - 1",
             ),
         ),
         BOXES,

@@ -15,9 +15,32 @@ DELTA = "tests/estimators/test_caustics_of_delta_lights.py"
 HOLES = "tests/estimators/test_caustics_through_holes.py"
 SHARES = f"{HOLES}::test_every_model_of_a_material_refracts_by_its_share"
 CHAIN = "integrators/caustics/specular_chain.py"
+COUNTED = (
+    "tests/estimators/test_counted_searches.py::test_the_mean_count_is_one_over_the_probability"
+)
+PHOTONS = "tests/lights/test_photons.py::test_a_photon_tells_the_way_of_its_own_lamp"
 DAY_AND_LAMPS = f"{DELTA}::test_lamps_light_the_ground_under_water"
 
 MANIFOLDS = (
+    Mutant(
+        "a count that depends on the lanes it was given",
+        "integrators/caustics/manifold_sampling.py",
+        (("& ((1 << BLOCK) - 1)", "& ((1 << width) - 1)"),),
+        "tests/estimators/test_counted_searches.py::"
+        "test_a_count_does_not_know_how_many_lanes_it_was_given",
+    ),
+    Mutant(
+        "photons of any lamp",
+        "lights/photons.py",
+        (("^ (light << 16)", "^ (light * 0)"),),
+        PHOTONS,
+    ),
+    Mutant(
+        "photons that come from where they landed",
+        "compiled/photons.py",
+        (("np.where(bent[:, None], p, last)", "np.where(bent[:, None], o, last)"),),
+        PHOTONS,
+    ),
     Mutant(
         "delta lights as disks of the whole radius that walks aim at",
         "lights/targets.py",
@@ -45,7 +68,12 @@ MANIFOLDS = (
     Mutant(
         "one over the density of a caustic taken for one",
         "integrators/caustics/manifold_sampling.py",
-        (("made = made + lanes(weight * count)", "made = lanes(1.0)"),),
+        (
+            (
+                "made = where(mine, made + mean / _going_on(number), made)",
+                "made = where(mine, 1.0, made)",
+            ),
+        ),
         WATER,
     ),
     Mutant(
@@ -57,8 +85,8 @@ MANIFOLDS = (
     Mutant(
         "searches of a packet counted as if one of them was the last",
         "integrators/caustics/manifold_sampling.py",
-        (("(LANES + 1.0) / (taken + 1.0)", "(LANES + 0.0) / (taken + 0.0)"),),
-        WATER,
+        (("(BLOCK + 1.0) / (count + 1.0)", "(BLOCK + 0.0) / (count + 0.0)"),),
+        f"{COUNTED}[0.3]",
     ),
     Mutant(
         "caustics of the sun that paths find once more",
@@ -87,7 +115,7 @@ MANIFOLDS = (
     Mutant(
         "repeated searches with the random numbers of the first",
         "integrators/caustics/manifold_sampling.py",
-        (("(number + lane_index() + 1) * PAIRS", "(number + lane_index()) * PAIRS"),),
+        (("OWN_PAIRS + (number + 1) * PAIRS", "OWN_PAIRS + number * PAIRS"),),
         WATER,
     ),
     Mutant(

@@ -82,9 +82,12 @@ LONG, LONG_POWER = 1 << 16, 1.5
 #: Room for the widest packet.
 ROOM = 16
 
-#: What repeated searches need. search: `Search`; type: `Type`; w: Vec3; most: M; stop: float,
-#: where roulette ends.
-Trial = namedtuple("Trial", "search type w most stop")
+#: So many searches are made at a time, and count together.
+BLOCK = 4
+
+#: What repeated searches need. search: `Search`; type: `Type`; w: Vec3; most: M; number: u32, how
+#: many have been made.
+Trial = namedtuple("Trial", "search type w most number")
 
 
 @kernel
@@ -96,12 +99,54 @@ def _stream(path):
 
 
 @kernel
-def _again(trial, number):
-    """(`Search`, `Begin`) of the searches number, number + 1, ... of one lane, one in each lane."""
-    first = OWN_PAIRS + (number + lane_index() + 1) * PAIRS
+def _share_out(waiting):
+    """(whose searches each lane makes, u32; how many lanes they have each) of those that wait.
+
+    waiting: bits of lanes, not 0. The more they are, the fewer lanes has each, down to `BLOCK`.
+    """
+    width = 1 * LANES
+    while width > BLOCK and LANES // width < count_bits(waiting):
+        width = width // 2
+    owner, first = lanes_u32(0), 0
+    while first < LANES and waiting != 0:
+        owner = where(lane_index() >= first, lanes_u32(trailing_zeros(waiting)), owner)
+        waiting &= waiting - 1
+        first += width
+    return owner, width
+
+
+@kernel
+def _again(trial, width):
+    """(`Search`, `Begin`) of the next `width` searches of each trial, one in each lane."""
+    number = trial.number + (lane_index() & (width - 1))
     every = lanes_mask(True)
     begin = Begin(every, ~every, every, trial.w, trial.w, trial.type)
-    return replace(trial.search, first=first), begin
+    return replace(trial.search, first=OWN_PAIRS + (number + 1) * PAIRS), begin
+
+
+@kernel
+def _counted(waiting, width, taken, made, number, stop):
+    """(waiting, made, number) after one more round of searches; bits of lanes: waiting and taken.
+
+    made: one over the density, so far, in searches. Of a block of n searches, k of which are taken,
+    the first one that is has the mean number (n + 1) / (k + 1): that is what counts. Nothing
+    depends on how many lanes a trial was given.
+    """
+    owners, first = waiting, 0
+    while first < LANES and owners != 0:
+        lane, end = trailing_zeros(owners), first + width
+        mine = lane_index() == lane
+        owners &= owners - 1
+        while first < end:
+            if (waiting >> lane) & 1 != 0:
+                count = count_bits((taken >> first) & ((1 << BLOCK) - 1))
+                mean = (BLOCK + 1.0) / (count + 1.0) if count != 0 else 1.0 * BLOCK
+                made = where(mine, made + mean / _going_on(number), made)
+                number = where(mine, number + BLOCK, number)
+                if count != 0 or not any_lane(mine & (stop < _going_on(number))):
+                    waiting &= ~(1 << lane)
+            first += BLOCK
+    return waiting, made, number
 
 
 @kernel
@@ -158,7 +203,7 @@ def write_add_caustics(listeners, guided=False):
         covered = lanes_mask(False)
         if any_lane(given | looking):
             factor, total = lanes_vec3(0.0), lanes(0.0)
-            number, made, edges = lanes_u32(0), lanes(0.0), lanes_u32(0)
+            number, edges, width = lanes_u32(0), lanes_u32(0), 1 * LANES
             first = lanes_u32(OWN_PAIRS)
             arrived = meet_dispersion(scene, surface, path, looking)
             search = Search(
@@ -169,25 +214,15 @@ def write_add_caustics(listeners, guided=False):
             begin = Begin(
                 looking, given, lanes_mask(False), path.chain.o, path.chain.d, path.chain.type
             )
-            trial = Trial(search, path.chain.type, path.chain.d, lanes(0.0), stop)
+            trial = Trial(search, path.chain.type, path.chain.d, lanes(0.0), number)
             memory = local_records(ROOM, trial)
             seen, repeating, going, waiting, mine = scene, False, True, 0, trial
             while going:
                 result = search_lamps(seen, search, begin)
                 rays += result.rays
                 if repeating:
-                    weight = 1.0 / _going_on(number)
                     bits = mask_bits(_is_taken(trial, search, result))
-                    taken = count_bits(bits)
-                    # Of the first one that is taken, the mean place among them all.
-                    count = (LANES + 1.0) / (taken + 1.0) if taken != 0 else 1.0 * LANES
-                    made = made + lanes(weight * count)
-                    number = number + LANES
-                    if bits != 0 or not any_lane(trial.stop < _going_on(number)):
-                        mine_now = lane_index() == trailing_zeros(waiting)
-                        total = where(mine_now, made, total)
-                        waiting &= waiting - 1
-                        number, made = lanes_u32(0), lanes(0.0)
+                    waiting, total, number = _counted(waiting, width, bits, total, number, stop)
                 else:
                     # Of a direction by itself: is it covered?
                     w = where(given, path.chain.d, result.w)
@@ -209,13 +244,14 @@ def write_add_caustics(listeners, guided=False):
                         factor = where(lit, factor, lanes_vec3(0.0))
                     waiting, repeating = mask_bits(lit), True
                     edges = result.edges
-                    mine = Trial(search, result.type, w, most, stop)
+                    mine = Trial(search, result.type, w, most, number)
                 going = waiting != 0
                 if going:
-                    # All lanes search for one.
-                    put_records(memory, ROOM, 0, lane_index() * 0 + trailing_zeros(waiting), mine)
+                    # All lanes search for a few.
+                    owner, width = _share_out(waiting)
+                    put_records(memory, ROOM, 0, owner, replace(mine, number=number))
                     trial = records_at(memory, ROOM, 0, mine)
-                    search, begin = _again(trial, number)
+                    search, begin = _again(trial, width)
                     seen = at_times_of(scene, trial.search.sampler)
             light = factor * total
             path = gather_light(path, light, looking, lanes_mask(False))

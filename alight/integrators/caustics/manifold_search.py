@@ -38,6 +38,7 @@ from alight.integrators.caustics.specular_chain import Plan, Start, follow
 from alight.integrators.interiors.body_walk import enters_body
 from alight.integrators.interiors.enclosing import bodies_beyond
 from alight.integrators.walk import to_world
+from alight.lights.photons import way_of_photon
 from alight.lights.targets import radius_at, way_to, way_to_caster
 from alight.media.tables import step_numbers
 from alight.shapes.hit import spawn_origin
@@ -67,6 +68,8 @@ LEAST_STEP, MOST_STEP = 1e-4, 1e-2
 #: Parts of the seeds that go about the lamp, and towards mirrors and clear glass; the others go as
 #: the BSDF has it.
 AIMED, CASTING = 0.45, 0.2
+#: Part of the seeds that follow a photon, where one is near; the others are as everywhere.
+FOLLOWING = 0.75
 #: How near to the lamp's middle the former go at least, as 1 - cos.
 LEAST_TURN = 1e-7
 
@@ -107,17 +110,21 @@ def _seeds(scene, search, begin):
     y, way = step_numbers(search.stream, search.first + 1)
     sample = sample_bsdf(scene, surface, search.wo, choice, (x, y), begin.seed)
     smooth = (sample.flags & (DELTA | NULL)) == 0
-    aimed = way < AIMED
+    known, back = way_of_photon(scene, surface.p, search.target.light, x)
+    following = known & (way < FOLLOWING)
+    way = where(known & ~following, (way - FOLLOWING) * (1.0 / (1.0 - FOLLOWING)), way)
+    aimed = ~following & (way < AIMED)
     rest = (way - AIMED) * (1.0 / CASTING)
     there, to = way_to_caster(scene, surface.p, choice, (x, y, minimum(rest, 1.0)))
     distance = length(to)
-    casting = there & ~aimed & (rest < 1.0) & (distance > 0.0)
-    freely = aimed | casting
+    casting = there & ~following & ~aimed & (rest < 1.0) & (distance > 0.0)
+    freely = following | aimed | casting
     scattered = begin.seed & (
         (smooth & (sample.pdf > 0.0)) | (freely & (smooth | is_mixed(scene, surface)))
     )
     w = where(aimed, _towards(search, x, y), to_world(surface, sample.wi))
     w = where(casting, to * (1.0 / where(casting, distance, 1.0)), w)
+    w = where(following, normalize(back), w)
     o = spawn_origin(surface.p, surface.error, surface.ng, w)
     scattered = scattered & ~enters_body(scene, surface, w)
     return (

@@ -38,8 +38,9 @@ STEP = 1e-3
 LONGEST = 0.3
 #: Steps that are tried, and how short a share of a step may become.
 MOST_TRIES, LEAST_SHARE = 25, 0.1
-#: Ellipses whose longer axis is longer are no caustics: paths find these lamps easily.
-WIDEST = 0.3
+#: Ellipses as large as a disk of this radius are no caustics: paths find these lamps easily. Where
+#: a caustic folds they are long and thin; the longer half axis may have this length.
+WIDEST, LONGEST_AXIS = 0.3, 1.0
 #: Damping, as a share of the mean square of the derivatives: steps exist where J is singular.
 DAMPING = 1e-5
 #: The ellipse that directions are drawn from is so much longer than the one that is covered.
@@ -122,7 +123,8 @@ def solution_at(walker):
     # Of the shorter half axis of q <= 1, which belongs to the smaller eigenvalue.
     mean, difference = 0.5 * (a + c), 0.5 * (a - c)
     least = mean - sqrt(maximum(difference * difference + b * b, 0.0))
-    fine = (determinant > 0.0) & (least * (WIDEST * WIDEST) > 1.0)
+    small = determinant * (WIDEST * WIDEST * WIDEST * WIDEST) > 1.0
+    fine = small & (least * (LONGEST_AXIS * LONGEST_AXIS) > 1.0)
     density = INV_PI / (MARGIN * MARGIN) * sqrt(maximum(determinant, 0.0))
     return Solution(w, a, b, c, where(fine, density, 0.0))
 
