@@ -12,8 +12,9 @@ from alight.films import CELL_SIZE, Film
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering import depth_cap
 from alight.rendering.depth_cap import light_beyond
-from alight.rendering.light_behind_glass import DIRECTIONS, POINTS, light_behind_glass
+from alight.rendering.light_behind_glass import DIRECTIONS, light_behind_glass
 from alight.rendering.main_loop import job_of
+from alight.rendering.pilot_rays import POINTS
 from alight.rendering.plan import Pilot
 from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
@@ -64,7 +65,7 @@ def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, l
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_behind_glass(flat.bsdfs, compile_scene(flat))
+    return light_behind_glass(flat, compile_scene(flat))
 
 
 def of_floor(x, y):
