@@ -78,7 +78,8 @@ def of_floor(x, y):
 @pytest.mark.parametrize("lamps", [1, 3])
 def test_the_pilot_sees_what_the_lamp_would_give_without_the_pane(lamps):
     size = (32, 24)
-    table = found_in(room(lamps=lamps))
+    # What the pane mirrors comes before.
+    table = found_in(room(lamps=lamps))[-POINTS * DIRECTIONS :]
     assert table.shape == (POINTS * DIRECTIONS, 6)
     # Where in a cell a point lies is not told.
     across = size[0] // CELL_SIZE
@@ -146,6 +147,20 @@ def test_glass_that_is_hardly_rough_is_glass_that_spreads_light(pane):
     smooth, rough = found_in(room()), found_in(room(pane=of[pane]))
     assert rough[:, 3].sum() == pytest.approx(smooth[:, 3].sum(), rel=0.1)
     assert np.median(rough[:, 5]) > np.median(smooth[:, 5])
+
+
+def test_what_moves_is_looked_at_too():
+    """A pane that slides in its own plane, and one that leaves the way half of the time."""
+    plain = found_in(room())[-POINTS * DIRECTIONS :, 3].sum()
+    for away, share in ((1.0, 1.0), (200.0, 0.0)):
+        moves = {"keyframes": [
+            {"time": 0, "scale": 9.0, "translate": [0, 0, 1.5]},
+            {"time": 1, "scale": 9.0, "translate": [away, 0, 1.5]},
+        ]}  # fmt: skip
+        sheet = {"shape": "rectangle", "bsdf": {"type": "thin_dielectric"}, "transform": moves}
+        found = found_in(room(pane=None, more={"pane": sheet}))
+        found = found[-POINTS * DIRECTIONS :, 3].sum() if found is not None else 0.0
+        assert found == pytest.approx(share * plain, rel=0.1, abs=0.2 * plain), away
 
 
 def test_cells_are_those_of_the_window():
