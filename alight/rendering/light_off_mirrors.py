@@ -168,7 +168,18 @@ def _set_out(pilot: Pilot, boxes: np.ndarray) -> _Light:
     angle = np.where(around, 1.0 / np.maximum(pdf_d, 1e-30), cosine / np.maximum(pdf_p, 1e-30))
     never = np.zeros(n, bool)
     o, d = (Vec3(*a.astype(np.float32).T.copy()) for a in (o, d))
-    return _Light(o, d, radiance, share, angle, around, never, never, times).some(good)
+    light = _Light(
+        o=o,
+        d=d,
+        radiance=radiance,
+        share=share,
+        angle=angle,
+        far=around,
+        turned=never,
+        aside=never,
+        times=times,
+    )
+    return light.some(good)
 
 
 def _balls(boxes: np.ndarray, random: np.random.Generator) -> np.ndarray:
@@ -247,8 +258,8 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
             break
         surface, wl = pilot.surface(hit, light.o, light.d, light.times)
         turns = pilot.turns(surface, wl, light.times)
-        place = (columns_of(lanes_of(v, n)) for v in (surface.p, surface.ns))
-        here = _Arrived(*place, -columns_of(light.d), light.radiance, light.share)
+        p, normal = (columns_of(lanes_of(v, n)) for v in (surface.p, surface.ns))
+        here = _Arrived(p, normal, -columns_of(light.d), light.radiance, light.share)
         found.append(picked(here, light.aside))
         sharp, passed = turns.sharp, turns.passed
         angle = light.angle / np.where(light.far, 1.0, hit.t.astype(np.float64) ** 2)
@@ -262,7 +273,8 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
             turned=light.turned | sharp,
             aside=light.aside | reflected | (light.turned & ~passed),
         ).some((turns.pdf > 0.0) & (passed | light.turned))
-    return joined(found) if found else _Arrived(*np.zeros((4, 0, 3)), np.zeros(0))
+    none = np.zeros((0, 3))
+    return joined(found) if found else _Arrived(none, none, none, none, np.zeros(0))
 
 
 # ---------------------------------------------------------------- at what the camera sees

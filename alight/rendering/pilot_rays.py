@@ -175,7 +175,7 @@ def seen_points(pilot: Pilot) -> Seen:
     o, d = lanes_of(o, POINTS), lanes_of(d, POINTS)
     points, cells = np.arange(POINTS), line * -(-w // CELL_SIZE) + column
     hit = pilot.hits(o, d, times)
-    on = Seen(points, cells, hit, o, d, np.ones((POINTS, 3)), times)
+    on = Seen(point=points, cell=cells, hit=hit, o=o, d=d, weight=np.ones((POINTS, 3)), times=times)
     found = []
     for _ in range(MOST_SURFACES):
         on = on.some(np.isfinite(on.hit.t))
