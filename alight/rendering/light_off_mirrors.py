@@ -35,6 +35,7 @@ from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.nesting import has_holes
 from alight.compiled.casters import boxes_of_casters, is_caster
 from alight.compiled.lights import emitting_lights
+from alight.compiled.rendering_space import in_rendering_space
 from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.integrators.walk import to_local
@@ -115,8 +116,12 @@ def light_off_mirrors(
 ) -> np.ndarray:
     """Look for it where the camera sees something: rows of `light_behind_glass`."""
     nothing = np.zeros((0, 6))
-    lights = emitting_lights(flat) if any(is_caster(bsdf) for bsdf in flat.bsdfs) else None
-    if lights is None or not len(seen.point):
+    if not any(is_caster(bsdf) for bsdf in flat.bsdfs) or not len(seen.point):
+        return nothing
+    if scene.origin.any():
+        flat = in_rendering_space(flat, scene.origin)
+    lights = emitting_lights(flat)
+    if lights is None:
         return nothing
     pilot = Pilot(scene, random, scene.tables._replace(lights=lights))
     light = _set_out(pilot, boxes_of_casters(flat))
