@@ -1,4 +1,4 @@
-"""Many rays at once, from arrays to arrays: against a scene at rest, or one triangle mesh."""
+"""Many rays at once, from arrays to arrays: against a scene, or one triangle mesh."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from alight.accel.lists import Accelerator
 from alight.accel.query import intersect_closest, is_occluded
 from alight.core.vec import Vec3
 from alight.shapes.hit import Hit
-from lanewise.jit import instantiate, kernel
+from lanewise.jit import instantiate, kernel, specialised
 from lanewise.simd import (
     LANES,
     bits_float,
@@ -37,13 +37,17 @@ _CHUNK, _PADDING = 16384, 16
 #: What `query` needs to know of a scene and a program.
 _Scene = namedtuple("_Scene", "accel shapes")
 _Shapes = namedtuple("_Shapes", "data")
-_Program = namedtuple("_Program", "accel")
+_Program = namedtuple("_Program", "accel motion")
+
+#: The same of a scene in motion, without the times and with them.
+_Moving = namedtuple("_Moving", "accel shapes motions")
+_AtTimes = namedtuple("_AtTimes", (*_Moving._fields, "time"))
 
 
 @kernel(strict=True)
 def packet(rays, begin, end):
     """Rays begin, begin + 1, ...: (origins, directions, largest t, which there are)."""
-    origins, directions, t_max = rays
+    origins, directions, t_max, _ = rays
     lane = begin + lane_index()
     i = minimum_u32(lane, end - 1)
     o = Vec3(gather(origins, 3 * i), gather(origins, 3 * i + 1), gather(origins, 3 * i + 2))
@@ -53,13 +57,32 @@ def packet(rays, begin, end):
     return o, d, gather(t_max, i), lane < end
 
 
+@specialised
+def scene_at(program):
+    """``scene_at(scene, rays, begin, end)``: as the rays begin, begin + 1, ... meet it."""
+    if not program.motion:
+
+        @kernel(strict=True)
+        def at_rest(scene, rays, begin, end):
+            return scene
+
+        return at_rest
+
+    @kernel(strict=True)
+    def at_their_times(scene, rays, begin, end):
+        times = gather(rays[3], minimum_u32(begin + lane_index(), end - 1))
+        return _AtTimes(scene.accel, scene.shapes, scene.motions, times)
+
+    return at_their_times
+
+
 @kernel(strict=True)
 def hits_range(scene, rays, results, begin, end):
     """Rays begin to end; results: columns of a `Hit`, integers as bits."""
     n = results.size // 5
     for first in range(begin, end, LANES):
         o, d, t_max, there = packet(rays, first, end)
-        hit = intersect_closest(scene, o, d, t_max, there)
+        hit = intersect_closest(scene_at(scene, rays, first, end), o, d, t_max, there)
         store_lanes(results, first, hit.t)
         store_lanes(results, n + first, hit.u)
         store_lanes(results, 2 * n + first, hit.v)
@@ -78,7 +101,7 @@ def occluded_range(scene, rays, results, begin, end):
 
 @lru_cache(maxsize=2)
 def _compiled(text: Callable) -> Callable:
-    return instantiate(text, _Program((TREE,)))
+    return instantiate(text, _Program((TREE,), ()))
 
 
 def build(
@@ -137,12 +160,13 @@ def is_occluded_batch(
 
 
 def closest_hits(program: Any, scene: Any, o: Vec3, d: Vec3, t_max: np.ndarray) -> Hit:
-    """Closest hits in a scene at rest.
+    """Closest hits in a scene.
 
     Parameters
     ----------
     program, scene
-        Of a `CompiledScene`: its program and its tables.
+        Of a `CompiledScene`: its program and its tables; where something moves, those of
+        `alight.integrators.moments.tables_at`, with a time for each ray.
     o, d : Vec3 of (n,) float32
         Metres; t is in units of the direction's length.
     t_max : (n,) float32
@@ -152,10 +176,12 @@ def closest_hits(program: Any, scene: Any, o: Vec3, d: Vec3, t_max: np.ndarray) 
     Hit of (n,)
         In machine code's own bits; t is infinite for a miss.
     """
-    n = len(t_max)
+    n, times = len(t_max), np.zeros(0)
+    if program.motion:
+        times, scene = scene.time, _Moving(scene.accel, scene.shapes, scene.motions)
     rays = tuple(
         View(np.ascontiguousarray(a, np.float32))
-        for a in (np.stack([o.x, o.y, o.z], 1), np.stack([d.x, d.y, d.z], 1), t_max)
+        for a in (np.stack([o.x, o.y, o.z], 1), np.stack([d.x, d.y, d.z], 1), t_max, times)
     )
     results = np.zeros((5, -(-n // _PADDING) * _PADDING), np.float32)
     instantiate(hits_range, program)(scene, rays, View(results), 0, n)
@@ -168,7 +194,9 @@ def _run(text, bvh, origins, directions, t_max, columns, threads) -> np.ndarray:
     function, n = _compiled(text), len(origins)
     if t_max is None:
         t_max = np.full(n, np.inf, np.float32)
-    rays = tuple(View(np.ascontiguousarray(a, np.float32)) for a in (origins, directions, t_max))
+    rays = tuple(
+        View(np.ascontiguousarray(a, np.float32)) for a in (origins, directions, t_max, np.zeros(0))
+    )
     results = np.zeros((columns, -(-n // _PADDING) * _PADDING), np.float32)
     out, empty = View(results), View(np.zeros(0, np.float32))
     no_ids = View(np.zeros(0, np.uint32))

@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from alight.compiled.casters import boxes_of_casters
+from alight.compiled.displacement import displaced
 from alight.compiled.kept import Kept
 from alight.compiled.light_emission import Emits, emitting
 from alight.compiled.light_gain import gain_of_tree
@@ -20,7 +21,7 @@ from alight.compiled.light_tree import (
     find_leaves,
     shining_shapes,
 )
-from alight.compiled.shapes import CompiledShapes
+from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
 from alight.lights.environment_map import EMPTY, EnvironmentMap
@@ -158,6 +159,19 @@ def compile_lights(
         leaves is not None,
         tuple(row.kind for row, _ in around) if len(around) > 1 else (),
     )
+
+
+def emitting_lights(flat: FlatScene) -> EmittingLights | None:
+    """Tables of lights at which light paths start, for scenes that were compiled without.
+
+    Returns
+    -------
+    EmittingLights or None
+        None where there is a light at which none can start.
+    """
+    flat = displaced(flat)
+    found = compile_lights(flat, compile_shapes(flat), "power", emits="if possible").tables
+    return found if isinstance(found, EmittingLights) else None
 
 
 def _joined(maps: list[np.ndarray]) -> View:

@@ -28,6 +28,7 @@ def picture_of(film: Film, layers: bool) -> Picture:
             planes["samples"] = film.sample_count.astype(np.uint32)
             planes |= aov_planes(film) | mattes.planes_of(film)
             header = mattes.header_of(film)
+            attributes["error"] = film.judged(literature=False)[0].line
         alpha, shadow = readout.cover_of(film)
         return Picture(
             film.image, planes, attributes, (film.width, film.height), film.crop[:2],

@@ -75,7 +75,9 @@ def denoise(film: Film) -> tuple[Picture, Bias]:
     bias = _bias_of(picture.image, image, list(features))
     layers = {f"noisy.{c}": picture.image[..., i] for i, c in enumerate("RGB")} | picture.layers
     biases = "; ".join([*(known.line for known in film.biases), bias.line])
-    attributes = picture.attributes | {"biases": biases}
+    # The error is that of the picture before.
+    known = {name: text for name, text in picture.attributes.items() if name != "error"}
+    attributes = known | {"biases": biases}
     return replace(picture, image=image, layers=layers, attributes=attributes), bias
 
 

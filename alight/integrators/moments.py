@@ -7,6 +7,9 @@ the shutter, and a pure function of the sample, so that nothing has to be carrie
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
+
+import numpy as np
 
 from alight.samplers.sampling import get_1d
 from lanewise.jit import kernel, specialised
@@ -86,3 +89,17 @@ def at_times_recorded(scene, sampler):
         log=scene.log,
         time=get_1d(sampler, TIME),
     )
+
+
+def tables_at(tables: Any, times: np.ndarray) -> Any:
+    """What kernels are given of a scene in motion, seen at these times: for the NumPy twin.
+
+    Parameters
+    ----------
+    tables : MovingScene or MovingWithMedia
+        `alight.compiled.scene.CompiledScene.tables`.
+    times : (n,) float32
+        From 0 (the shutter opens) to 1.
+    """
+    fields = tables._asdict()
+    return (AtTimesInMedia if "media" in fields else AtTimes)(**fields, time=times)

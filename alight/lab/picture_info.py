@@ -12,12 +12,12 @@ from alight.films import Film
 from alight.films.storage import is_film_file
 from alight.outputs import exr
 from alight.outputs.image import FORMATS, format_of, read_image
-from alight.rendering.summary import error_line, unsure_lines
+from alight.rendering.summary import unsure_lines
 
 Facts = list[tuple[str, str]]
 
 #: What of a picture's origin is told, where it is known.
-_ORIGIN = ("version", "seed", "replicates", "scene_hash", "fingerprint", "biases")
+_ORIGIN = ("error", "version", "seed", "replicates", "scene_hash", "fingerprint", "biases")
 
 
 def is_film_or_picture(name: object) -> bool:
@@ -48,13 +48,12 @@ def _film_facts(film: Film) -> Facts:
     least, most = int(counts.min()), int(counts.max())
     spread = f" ({least} to {most} a pixel)" if least < most else ""
     estimate, unsure = film.judged()
-    error = error_line(estimate)
     return [
         ("film", f"{width}x{height} pixels{crop}"),
         ("samples", f"{film.spp:g} spp{spread}"),
         ("layers", ", ".join(film.aov_channels) or "none"),
         *_range_of(film.mean),
-        ("error", error.removeprefix("estimated error: ")),
+        ("error", estimate.line),
         *(("", line) for line in unsure_lines(float(unsure.mean()))),
         *_origin(film.provenance),
     ]

@@ -15,6 +15,9 @@ _NORMAL = NormalDist()
 #: Replicates that an interval takes: two halves, each with a spread of its own.
 LEAST_FOR_INTERVAL = 4
 
+#: An error beyond this is told as "more than".
+LARGEST_TOLD = 10.0
+
 
 class Figure(NamedTuple):
     """An estimated relMSE and how sure it is.
@@ -86,15 +89,20 @@ class ErrorEstimate:
         (0.1 times the mean of the picture) squared.
     known : float
         Share of the pixels whose standard error is known; the others are left out.
-    promised : bool, default True
-        Whether intervals hold as often as they say; not where one path adds to several pixels.
+    shares_paths : bool, default False
+        Whether one path adds to several pixels: intervals may then hold less often than they say.
     """
 
     figure: Figure
     figure_literature: Figure
     epsilon: float
     known: float
-    promised: bool = True
+    shares_paths: bool = False
+
+    @property
+    def promised(self) -> bool:
+        """Whether there is an interval, and it holds as often as it says."""
+        return not self.shares_paths and not math.isnan(self.relmse.high)
 
     @property
     def relmse(self) -> Estimate:
@@ -110,6 +118,27 @@ class ErrorEstimate:
     def relrmse(self) -> Estimate:
         """Square root of `relmse`."""
         return Estimate(*(math.sqrt(v) for v in self.relmse))
+
+    @property
+    def line(self) -> str:
+        """How wrong the picture is, and what is promised of that."""
+        relative = self.relrmse
+        if math.isnan(relative.value):
+            return "unknown (too few samples, or a black picture)"
+        told = f"{relative.value:.2%} relRMSE"
+        relmse = f"relMSE {self.relmse.value:.3g}"
+        if math.isnan(relative.high):
+            return (
+                f"{told} or more (an interval takes {LEAST_FOR_INTERVAL} replicates, there are "
+                f"{self.figure.replicates}), {relmse}"
+            )
+        high = relative.high
+        between = f"{relative.low:.2%} to " + (
+            f"{high:.2%}" if high <= LARGEST_TOLD else f"more than {100 * LARGEST_TOLD:.0f} %"
+        )
+        if self.shares_paths:
+            return f"{told} ({between}, not promised: pixels share paths), {relmse}"
+        return f"{told} (95 %: {between}), {relmse}"
 
     def relrmse_below(self, confidence: float) -> float:
         """Find the relRMSE that the true one does not exceed, with this confidence."""

@@ -76,7 +76,7 @@ def relmse_of(seen: Survey, literature: bool = True) -> ErrorEstimate:
     if known > 0.0 and seen.epsilon > 0.0:
         figure = _figure(seen, seen.epsilon)
         other = _figure(seen, LITERATURE_EPSILON) if literature else other
-    return ErrorEstimate(figure, other, seen.epsilon, known, promised=not seen.shares_paths)
+    return ErrorEstimate(figure, other, seen.epsilon, known, shares_paths=seen.shares_paths)
 
 
 def _figure(seen: Survey, epsilon: float) -> Figure:

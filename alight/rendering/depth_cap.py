@@ -30,7 +30,7 @@ from alight.films.fixed_point import to_float
 from alight.films.ledger import Bias
 from alight.films.sample_ranges import cells_of
 from alight.integrators.walk import UNLIMITED
-from alight.rendering.light_behind_glass import POINTS
+from alight.rendering.pilot_rays import POINTS
 from alight.rendering.tiles.tile import Scratch, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
 

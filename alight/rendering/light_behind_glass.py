@@ -17,78 +17,72 @@ missing.
 
 Holes and `null` are passed with the probability that they are open. So is glass that is not quite
 smooth, where a sample of its material is: it spreads light, and q is the larger for that. But the
-way stays straight, clear glass mirrors nothing, and nothing is looked for by way of mirrors, or
-beyond the first matte surface: the pilot tells whether such light matters, not how much of it there
-is.
+way stays straight, and clear glass mirrors nothing. What comes by way of mirrors, or from a second
+matte surface, is looked for by paths from the lamps (`alight.rendering.light_off_mirrors`). The
+pilot tells whether such light matters, not exactly how much of it there is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from alight.accel.batch import closest_hits
-from alight.bsdfs.dielectrics.dispersion import disperses
-from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
-from alight.bsdfs.flags import DELTA, NULL, TRANSMISSION
+from alight.bsdfs.dispatch import evaluate_bsdf
+from alight.bsdfs.flags import TRANSMISSION
 from alight.bsdfs.nesting import find_transmissive
-from alight.cameras.rays import generate_ray
 from alight.compiled.casters import is_caster
 from alight.compiled.scene import CompiledScene
 from alight.core.spec import Bsdf
 from alight.core.vec import Vec3
-from alight.films import CELL_SIZE
 from alight.integrators.direct_light import lit_side
 from alight.integrators.walk import to_local
 from alight.lights.choice import choose_light
 from alight.lights.sampling import sample_light, shadow_ray
-from alight.shapes.hit import INFO, Hit
-from alight.shapes.surfaces import make_surface
-from lanewise.jit import instantiate
+from alight.rendering.light_off_mirrors import light_off_mirrors
+from alight.rendering.pilot_rays import (
+    MOST_SURFACES,
+    Pilot,
+    Seen,
+    columns_of,
+    lanes_of,
+    seen_points,
+    wide,
+)
+from alight.scene.flatten import FlatScene
+from alight.shapes.hit import INFO
 
-#: Points that the camera sees, and directions to lights from each.
-POINTS, DIRECTIONS = 256, 4
-
-#: Surfaces of clear glass on a straight way.
-_MOST_SURFACES = 16
+#: Directions to lights from each point that the camera sees.
+DIRECTIONS = 4
 
 #: Slot of a shape's material in `ShapeTables.info`.
 _BSDF = 1
-
-#: Densities of directions from which on glass passes for smooth, per steradian: lamps of half a
-#: degree look as sharp through it as they are.
-_SHARP = 1e4
-
-#: Wavelength for which glass that disperses light is asked, nanometres.
-_GREEN = np.float32(550.0)
 
 #: A new ray starts so far behind the surface that it has passed, as a share of its way so far.
 _BEYOND = np.float32(1e-4)
 
 
 def is_looked_for(bsdfs: Sequence[Bsdf], scene: CompiledScene) -> bool:
-    """Whether paths of a scene may have to find light behind glass by chance.
+    """Whether paths of a scene may have to find light behind glass or off mirrors by chance.
 
     Where nothing but chance finds light, this says nothing new (`Film.by_chance`). Paths from lamps
-    and walks through glass do find it. Scenes in motion are not looked at.
+    and walks along mirrors and glass do find it.
     """
     integrator = scene.integrator
     samples = integrator.needs_light and not integrator.finds_light_by_chance
     aims = integrator.splats or integrator.aims_at_lamps
-    lit = bool(scene.program.lights) and samples and not aims and not scene.program.motion
-    return lit and any(find_transmissive(bsdf, {}) is not None for bsdf in bsdfs)
+    lit = bool(scene.program.lights) and samples and not aims
+    return lit and any(is_caster(b) or find_transmissive(b, {}) is not None for b in bsdfs)
 
 
-def light_behind_glass(bsdfs: Sequence[Bsdf], scene: CompiledScene) -> np.ndarray | None:
-    """Look for it, the same way whatever the seed of the picture.
+def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | None:
+    """Look for it, and for light off mirrors, the same way whatever the seed of the picture.
 
     Parameters
     ----------
-    bsdfs : sequence of Bsdf
-        Of the flat scene: its materials in their order.
+    flat : FlatScene
     scene : CompiledScene
+        Made of it.
 
     Returns
     -------
@@ -97,126 +91,82 @@ def light_behind_glass(bsdfs: Sequence[Bsdf], scene: CompiledScene) -> np.ndarra
         8x8 pixels of the window, radiance that it adds to the picture (linear RGB), and the
         probability q of a sample to find it.
     """
-    if not is_looked_for(bsdfs, scene):
+    if not is_looked_for(flat.bsdfs, scene):
         return None
     random = np.random.default_rng(0)
-    clear = np.array([is_caster(b) and find_transmissive(b, {}) is not None for b in bsdfs])
-    x, y, w, h = scene.crop or (0, 0, *scene.size)
-    at = (x + w * random.random(POINTS), y + h * random.random(POINTS))
-    film = [a.astype(np.float32) for a in at]
-    middle = np.full(POINTS, 0.5, np.float32)
-    o, d = _twin(generate_ray, scene)(scene.tables, *film, (middle, middle))
-    o, d = _lanes(o, POINTS), _lanes(d, POINTS)
-    end = np.full(POINTS, np.inf, np.float32)
-    hit, o, *_ = _first_opaque(scene, clear, o, d, end, random)
-    seen = np.flatnonzero(np.isfinite(hit.t))
-    if not len(seen):
-        return None
-    rows = np.repeat(seen, DIRECTIONS)
-    hit = Hit(*(part[rows] for part in hit))
-    found, q = _arriving(scene, clear, hit, _some(o, rows), _some(d, rows), random)
-    column, line = (
-        (a[rows] - start).astype(int) // CELL_SIZE for a, start in zip(at, (x, y), strict=True)
-    )
-    cells = line * -(-w // CELL_SIZE) + column
-    table = np.column_stack([rows, cells, found / DIRECTIONS, q])
-    table = table[(found > 0.0).any(axis=1)]
+    pilot = Pilot(scene, random)
+    seen = seen_points(pilot)
+    parts = [light_off_mirrors(flat, scene, seen, random)]
+    glass = np.array([find_transmissive(bsdf, {}) is not None for bsdf in flat.bsdfs])
+    if len(seen.point) and glass.any():
+        clear = glass & np.array([is_caster(bsdf) for bsdf in flat.bsdfs])
+        rows = seen.some(np.repeat(np.arange(len(seen.point)), DIRECTIONS))
+        found, q = _arriving(pilot, clear, rows)
+        radiance = found * rows.weight / DIRECTIONS
+        parts.append(np.column_stack([rows.point, rows.cell, radiance, q]))
+    table = np.concatenate(parts)
+    table = table[(table[:, 2:5] > 0.0).any(axis=1)]
     return table if len(table) else None
 
 
-def _arriving(
-    scene: CompiledScene, clear: np.ndarray, hit: Hit, o: Vec3, d: Vec3, random: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
+def _arriving(pilot: Pilot, clear: np.ndarray, seen: Seen) -> tuple[np.ndarray, np.ndarray]:
     """For a direction to a light at each point: radiance (n, 3) that comes through glass, and q."""
-    n, tables = len(hit.t), scene.tables
+    n, tables, twin = len(seen.point), pilot.at(seen.times), pilot.twin
     there = np.full(n, True)
-    surface = _twin(make_surface, scene)(tables, hit, o, d, there)
-    wo = _twin(to_local, scene)(surface, Vec3(-d.x, -d.y, -d.z))
-    side = _twin(lit_side, scene)(tables, surface, wo)
-    u, *u2 = random.random((3, n)).astype(np.float32)
-    choice = _twin(choose_light, scene)(tables, surface.p, side, u, tuple(u2), there)
-    light = _twin(sample_light, scene)(tables, surface.p, side, u, tuple(u2), there)
-    wi = _twin(to_local, scene)(surface, light.wi)
-    f_cos, density = _twin(evaluate_bsdf, scene)(tables, surface, wo, wi, there)
-    start, length = _twin(shadow_ray, scene)(surface, light)
-    start, towards, length = _lanes(start, n), _lanes(light.wi, n), _wide(length, n)
-    blocked, _, through, spread = _first_opaque(scene, clear, start, towards, length, random)
-    pdf = _wide(light.pdf, n).astype(np.float64)
-    lit = ~np.isfinite(blocked.t) & through & (pdf > 0.0) & ~_wide(light.delta, n)
-    given, sent = _lanes(f_cos, n), _lanes(light.radiance, n)
-    value = np.stack([given.x * sent.x, given.y * sent.y, given.z * sent.z], axis=1)
+    surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
+    side = twin(lit_side)(tables, surface, wo)
+    u, *u2 = pilot.random.random((3, n)).astype(np.float32)
+    choice = twin(choose_light)(tables, surface.p, side, u, tuple(u2), there)
+    light = twin(sample_light)(tables, surface.p, side, u, tuple(u2), there)
+    wi = twin(to_local)(surface, light.wi)
+    f_cos, density = twin(evaluate_bsdf)(tables, surface, wo, wi, there)
+    start, length = twin(shadow_ray)(surface, light)
+    start, towards, length = lanes_of(start, n), lanes_of(light.wi, n), wide(length, n)
+    through, spread = _through(pilot, clear, start, towards, length, seen.times)
+    pdf = wide(light.pdf, n).astype(np.float64)
+    lit = through & (pdf > 0.0) & ~wide(light.delta, n)
+    value = columns_of(lanes_of(f_cos, n)) * columns_of(lanes_of(light.radiance, n))
     safe = np.where(lit, pdf, 1.0)
-    radiance = np.where(lit[:, None], value.astype(np.float64) / safe[:, None], 0.0)
-    seen_as = _wide(choice.mis_pmf, n) / safe + spread
-    q = np.minimum(_wide(density, n) * seen_as, 1.0)
+    radiance = np.where(lit[:, None], value / safe[:, None], 0.0)
+    seen_as = wide(choice.mis_pmf, n) / safe + spread
+    q = np.minimum(wide(density, n) * seen_as, 1.0)
     return np.nan_to_num(radiance), np.where(lit, np.nan_to_num(q), 0.0)
 
 
-def _first_opaque(
-    scene: CompiledScene,
-    clear: np.ndarray,
-    o: Vec3,
-    d: Vec3,
-    end: np.ndarray,
-    random: np.random.Generator,
-) -> tuple[Hit, Vec3, np.ndarray, np.ndarray]:
+def _through(
+    pilot: Pilot, clear: np.ndarray, o: Vec3, d: Vec3, end: np.ndarray, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Straight on through clear glass, and where a sample of the material passes sharply.
 
     What is clear lets light on at any angle: the way that light really takes is another one.
 
     Returns
     -------
-    hit : Hit
-        The first surface that stops light; at infinity if there is none before `end`.
-    o : Vec3
-        Where the last part of the way starts.
     glass : (n,) bool
-        Whether light was refracted on the way.
+        Whether light reaches the end, and was refracted on the way.
     spread : (n,) float
         Solid angle into which glass that is not quite smooth has scattered it.
     """
     n = len(end)
     glass, spread, going = np.zeros(n, bool), np.zeros(n), np.full(n, True)
-    hit = closest_hits(scene.program, scene.tables, o, d, end)
-    for _ in range(_MOST_SURFACES):
+    hit = pilot.hits(o, d, times, end)
+    bsdf_of = pilot.tables.shapes.info.array[_BSDF::INFO]
+    for _ in range(MOST_SURFACES):
         met = going & np.isfinite(hit.t)
-        surface = _twin(make_surface, scene)(scene.tables, hit, o, d, met)
-        if disperses(scene.program):
-            surface = surface._replace(wavelength=np.full(n, _GREEN))
-        wo = _twin(to_local, scene)(surface, Vec3(-d.x, -d.y, -d.z))
-        u, *u2 = random.random((3, n)).astype(np.float32)
-        sample = _twin(sample_bsdf, scene)(scene.tables, surface, wo, u, tuple(u2), met)
-        flags, pdf = _wide(sample.flags, n), _wide(sample.pdf, n).astype(np.float64)
-        hole = (flags & NULL) != 0
-        smooth = clear[scene.tables.shapes.info.array[hit.shape * INFO + _BSDF]]
-        rough = ~smooth & ((flags & (DELTA | TRANSMISSION)) == TRANSMISSION) & (pdf > _SHARP)
-        bent = ~hole & (smooth | rough)
-        passed = met & (pdf > 0.0) & (hole | bent)
+        surface, wo = pilot.surface(hit, o, d, times, met)
+        turns = pilot.turns(surface, wo, times, met)
+        smooth = clear[bsdf_of[hit.shape]]
+        on = turns.sharp & ((turns.flags & TRANSMISSION) != 0) & (turns.spread > 0.0)
+        bent = ~turns.holes & (smooth | on)
+        passed = met & (turns.pdf > 0.0) & (turns.holes | bent)
         if not passed.any():
             break
         # What has stopped a ray is not asked again.
         going = passed
         glass |= passed & bent
-        rough = passed & rough
-        spread += np.where(rough, 1.0 / np.where(rough, pdf, 1.0), 0.0)
+        spread += np.where(passed & ~smooth, turns.spread, 0.0)
         step = np.where(passed, hit.t * (1 + _BEYOND), 0.0).astype(np.float32)
         o = Vec3(o.x + step * d.x, o.y + step * d.y, o.z + step * d.z)
         end = end - step
-        hit = closest_hits(scene.program, scene.tables, o, d, end)
-    return hit, o, glass, spread
-
-
-def _twin(kernel: Any, scene: CompiledScene) -> Any:
-    return np.errstate(all="ignore")(instantiate(kernel, scene.program, compiled=False))
-
-
-def _wide(value: Any, n: int) -> np.ndarray:
-    return np.ascontiguousarray(np.broadcast_to(value, n))
-
-
-def _lanes(v: Vec3, n: int) -> Vec3:
-    return Vec3(*(_wide(c, n).astype(np.float32) for c in (v.x, v.y, v.z)))
-
-
-def _some(v: Vec3, rows: np.ndarray) -> Vec3:
-    return Vec3(v.x[rows], v.y[rows], v.z[rows])
+        hit = pilot.hits(o, d, times, end)
+    return glass & ~np.isfinite(hit.t), spread

@@ -132,7 +132,7 @@ def job_of(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
         largest_sample=largest_sample(flat, compiled.program.light_tree),
         notes=_notes_of(flat, compiled), training=training,
-        look_behind_glass=partial(light_behind_glass, flat.bsdfs, compiled),
+        look_behind_glass=partial(light_behind_glass, flat, compiled),
     )  # fmt: skip
 
 

@@ -57,32 +57,7 @@ def verdict_lines(film: Film) -> list[str]:
 
 def error_line(error: ErrorEstimate) -> str:
     """Say how wrong the picture is."""
-    from alight.metrics.error_estimate import LEAST_FOR_INTERVAL
-
-    relative = error.relrmse
-    if math.isnan(relative.value):
-        return "estimated error: unknown (too few samples, or a black picture)"
-    if math.isnan(relative.high):
-        return (
-            f"estimated error: {relative.value:.2%} relRMSE or more (an interval takes "
-            f"{LEAST_FOR_INTERVAL} replicates, there are {error.figure.replicates}), "
-            f"relMSE {error.relmse.value:.3g}"
-        )
-    between = f"{relative.low:.2%} to {_at_most(relative.high)}"
-    interval = (
-        f"95 %: {between}" if error.promised else f"{between}, not promised: pixels share paths"
-    )
-    return (
-        f"estimated error: {relative.value:.2%} relRMSE ({interval}), "
-        f"relMSE {error.relmse.value:.3g}"
-    )
-
-
-def _at_most(error: float) -> str:
-    """Write an upper end: beyond 1000 % it is none."""
-    from alight.rendering.schedules.stopping import LARGEST_TOLD
-
-    return f"{error:.2%}" if error <= LARGEST_TOLD else "more than 1000 %"
+    return f"estimated error: {error.line}"
 
 
 def unsure_lines(share: float) -> list[str]:

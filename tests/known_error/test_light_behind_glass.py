@@ -11,16 +11,11 @@ from alight.compiled.scene import compile_scene
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE, Film
 from alight.laws.statistics import LARGEST_Z
-from alight.rendering import depth_cap
+from alight.rendering import depth_cap, pilot_rays
 from alight.rendering.depth_cap import light_beyond
-from alight.rendering.light_behind_glass import (
-    _SHARP,
-    DIRECTIONS,
-    POINTS,
-    _first_opaque,
-    light_behind_glass,
-)
+from alight.rendering.light_behind_glass import DIRECTIONS, _through, light_behind_glass
 from alight.rendering.main_loop import job_of
+from alight.rendering.pilot_rays import POINTS, SHARP
 from alight.rendering.plan import Pilot
 from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
@@ -71,7 +66,7 @@ def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, l
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_behind_glass(flat.bsdfs, compile_scene(flat))
+    return light_behind_glass(flat, compile_scene(flat))
 
 
 def of_floor(x, y):
@@ -84,7 +79,8 @@ def of_floor(x, y):
 @pytest.mark.parametrize("lamps", [1, 3])
 def test_the_pilot_sees_what_the_lamp_would_give_without_the_pane(lamps):
     size = (32, 24)
-    table = found_in(room(lamps=lamps))
+    # What the pane mirrors comes before.
+    table = found_in(room(lamps=lamps))[-POINTS * DIRECTIONS :]
     assert table.shape == (POINTS * DIRECTIONS, 6)
     # Where in a cell a point lies is not told.
     across = size[0] // CELL_SIZE
@@ -157,6 +153,20 @@ def test_glass_that_is_hardly_rough_is_glass_that_spreads_light(pane):
     smooth, rough = found_in(room()), found_in(room(pane=of[pane]))
     assert rough[:, 3].sum() == pytest.approx(smooth[:, 3].sum(), rel=0.1)
     assert np.median(rough[:, 5]) > np.median(smooth[:, 5])
+
+
+def test_what_moves_is_looked_at_too():
+    """A pane that slides in its own plane, and one that leaves the way half of the time."""
+    plain = found_in(room())[-POINTS * DIRECTIONS :, 3].sum()
+    for away, share in ((1.0, 1.0), (200.0, 0.0)):
+        moves = {"keyframes": [
+            {"time": 0, "scale": 9.0, "translate": [0, 0, 1.5]},
+            {"time": 1, "scale": 9.0, "translate": [away, 0, 1.5]},
+        ]}  # fmt: skip
+        sheet = {"shape": "rectangle", "bsdf": {"type": "thin_dielectric"}, "transform": moves}
+        found = found_in(room(pane=None, more={"pane": sheet}))
+        found = found[-POINTS * DIRECTIONS :, 3].sum() if found is not None else 0.0
+        assert found == pytest.approx(share * plain, rel=0.1, abs=0.2 * plain), away
 
 
 def test_cells_are_those_of_the_window():
@@ -288,12 +298,12 @@ def test_glass_that_is_hardly_rough_spreads_light_into_one_over_its_density():
     flat = flatten(room(pane={"type": "rough_dielectric", "alpha": 0.003}))
     scene = compile_scene(flat)
     zero, one = np.zeros(n, np.float32), np.ones(n, np.float32)
-    for clear, most in ((False, 1.0 / _SHARP), (True, 0.0)):
-        hit, _, glass, spread = _first_opaque(
-            scene, np.full(len(flat.bsdfs), clear), Vec3(zero, zero, 0.5 * one),
-            Vec3(zero, zero, one), 1.2 * one, np.random.default_rng(0),
+    pilot = pilot_rays.Pilot(scene, np.random.default_rng(0))
+    for clear, most in ((False, 1.0 / SHARP), (True, 0.0)):
+        passed, spread = _through(
+            pilot, np.full(len(flat.bsdfs), clear), Vec3(zero, zero, 0.5 * one),
+            Vec3(zero, zero, one), 1.2 * one, zero,
         )  # fmt: skip
         # Some samples mirror light, and some facets lean too far.
-        passed = np.isinf(hit.t)
-        assert passed.mean() > 0.3 and glass[passed].all()
+        assert passed.mean() > 0.3
         assert (spread[passed] <= most).all() and ((spread[passed] > 0.0) == (most > 0.0)).all()

@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 GLASS = "tests/known_error/test_light_behind_glass.py"
+MIRRORS = "tests/known_error/test_light_off_mirrors.py"
 
 BEHIND_GLASS = (
     Mutant(
@@ -20,13 +21,13 @@ BEHIND_GLASS = (
     Mutant(
         "the sun behind a window as wide as the chance to choose it",
         "rendering/light_behind_glass.py",
-        (("_wide(choice.mis_pmf, n) / safe", "1.0 / safe"),),
+        (("wide(choice.mis_pmf, n) / safe", "1.0 / safe"),),
         f"{GLASS}::test_the_pilot_sees_what_the_lamp_would_give_without_the_pane[3]",
     ),
     Mutant(
         "every glass passes for clear",
-        "rendering/light_behind_glass.py",
-        (("(pdf > _SHARP)", "(pdf > 0.0 * _SHARP)"),),
+        "rendering/pilot_rays.py",
+        (("(delta | (self.pdf > SHARP))", "(delta | (self.pdf > 0.0 * SHARP))"),),
         f"{GLASS}::test_nothing_is_found_where_light_is_not_behind_clear_glass_or_paths_are_led_to_it",
     ),
     Mutant(
@@ -38,7 +39,7 @@ BEHIND_GLASS = (
     Mutant(
         "holes that stop light on its way to glass",
         "rendering/light_behind_glass.py",
-        (("& (hole | bent)", "& bent"),),
+        (("& (turns.holes | bent)", "& bent"),),
         f"{GLASS}::test_holes_let_light_on[a null sheet]",
     ),
     Mutant(
@@ -46,5 +47,34 @@ BEHIND_GLASS = (
         "rendering/depth_cap.py",
         (("math.hypot(error, _unmet(", "math.hypot(error, 0.0 * _unmet("),),
         f"{GLASS}::test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed",
+    ),
+    Mutant(
+        "light paths that are aimed count twice",
+        "rendering/light_off_mirrors.py",
+        (("return 0.5 * plain_p * plain_d + 0.5 * other", "return 0.5 * plain_p * plain_d"),),
+        f"{MIRRORS}::test_a_mirror_is_a_window_to_an_image_of_the_lamp[at rest]",
+    ),
+    Mutant(
+        "mirrors that are met by every sample",
+        "rendering/light_off_mirrors.py",
+        (("* share\n    return _by_size", "* 0.0 + 1.0\n    return _by_size"),),
+        f"{MIRRORS}::test_a_picture_that_no_such_light_has_met_is_not_promised",
+    ),
+    Mutant(
+        "what moves is looked at as the shutter opens",
+        "rendering/pilot_rays.py",
+        (("if not self.program.motion:", "if True:"),),
+        f"{GLASS}::test_what_moves_is_looked_at_too",
+    ),
+    Mutant(
+        "a promise without an interval",
+        "metrics/error_estimate.py",
+        (
+            (
+                "return not self.shares_paths and not math.isnan(self.relmse.high)",
+                "return not self.shares_paths",
+            ),
+        ),
+        "tests/metrics/test_what_is_promised.py::test_a_promise_takes_an_interval[3]",
     ),
 )

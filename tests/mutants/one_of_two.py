@@ -75,14 +75,19 @@ ONE_OF_TWO = (
     Mutant(
         "lamps without a size behind glass, which no path finds",
         "rendering/light_behind_glass.py",
-        (("& (pdf > 0.0) & ~_wide(light.delta, n)", "& (pdf > 0.0)"),),
+        (("& (pdf > 0.0) & ~wide(light.delta, n)", "& (pdf > 0.0)"),),
         f"{BEHIND}::test_nothing_is_found_where_light_is_not_behind_clear_glass_or_paths_are_led"
         "_to_it",
     ),
     Mutant(
         "rough panes that spread light into their density",
-        "rendering/light_behind_glass.py",
-        (("np.where(rough, 1.0 / np.where(rough, pdf, 1.0), 0.0)", "np.where(rough, pdf, 0.0)"),),
+        "rendering/pilot_rays.py",
+        (
+            (
+                "np.where(rough, 1.0 / np.where(rough, self.pdf, 1.0), 0.0)",
+                "np.where(rough, self.pdf, 0.0)",
+            ),
+        ),
         f"{BEHIND}::test_glass_that_is_hardly_rough_spreads_light_into_one_over_its_density",
     ),
     Mutant(

@@ -31,6 +31,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from alight.films import Film
+from alight.metrics.error_estimate import LARGEST_TOLD
 from alight.metrics.own_error import estimate_relmse
 from alight.options.render import PromiseOptions
 from alight.rendering.schedules.unseen import cell_sum, spread_over_pixels, unseen_error
@@ -47,9 +48,6 @@ MOST_LOOKS = 90
 
 #: Deviation up to which half of the doubt is enough for each look, whatever the confidence.
 ENOUGH_FOR_HALF = 0.73
-
-#: Largest relRMSE that is told: 1000 %.
-LARGEST_TOLD = 10.0
 
 _NORMAL = NormalDist()
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.films import CELL_SIZE, Film
-from alight.rendering.light_behind_glass import POINTS
+from alight.rendering.pilot_rays import POINTS
 
 #: With no event among N samples, its probability is below 3 / N with 95 % confidence.
 _RULE_OF_THREE = 3.0
