@@ -132,9 +132,9 @@ def test_it_finds_what_hides_in_glass_and_among_many_lamps(name):
 
 def test_shapes_without_bounds_stop_light_from_infinity():
     turned = "[{rotate: {axis: x, angle: 90}}, {translate: [0, 30, 0]}]"
-    roof = f"  roof: {{shape: plane, transform: {turned}}}\n"
-    text = with_all_models(SCENE % ("box", PINHOLE) + roof, radiance=1)
-    mine, expected = agreement(text, depth=4, spp=128)
+    roof = f"  roof: {{shape: plane, transform: {turned}}}"
+    sky = "\nenvironment: {type: constant, radiance: 1}\n"
+    mine, expected = agreement(SCENE % ("box", PINHOLE) + roof + sky, depth=4, spp=128)
     assert p_value(mine, expected) > SIGNIFICANCE
 
 
