@@ -63,7 +63,7 @@ def scatter(specs: Sequence[Bsdf], bsdf: np.ndarray, compiled: bool) -> np.ndarr
     u, uv = random_numbers(N, 1), 6.0 * random_numbers(N, 2)[:2]
     out = View(np.zeros((RESULTS, N), np.float32))
     wo, other = (View(np.ascontiguousarray(unit_vectors(N, seed))) for seed in (3, 4))
-    run = instantiate(scatter_all, material.program, compiled=compiled)
+    run = instantiate(scatter_all, material.program, compiled=compiled, lanes=N)
     with np.errstate(all="ignore"):
         run(material.scene, View(bsdf), wo, other, View(u), View(uv), out)
     return out.shaped

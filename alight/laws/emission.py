@@ -343,7 +343,7 @@ def compiled_rays_are_the_twins(spec: Light) -> None:
         found = []
         for machine in (True, False):
             out = View(np.zeros((11, n), np.float32))
-            emit = instantiate(rays_of_lights, tables.program, compiled=machine)
+            emit = instantiate(rays_of_lights, tables.program, compiled=machine, lanes=n)
             with np.errstate(all="ignore"):
                 emit(tables.tables, View(u), out, n)
             found.append(out.shaped)

@@ -350,7 +350,7 @@ def compiled_light_is_the_twins(spec: Light) -> None:
     found = []
     for compiled in (True, False):
         out = View(np.zeros((8, N), np.float32))
-        run = instantiate(light_of_points, scene.program, compiled=compiled)
+        run = instantiate(light_of_points, scene.program, compiled=compiled, lanes=N)
         with np.errstate(all="ignore"):
             run(scene.tables, View(points), View(u), out, N)
         found.append(out.shaped)

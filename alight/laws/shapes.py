@@ -363,7 +363,7 @@ def demand_same_surfaces(body: Body) -> None:
     found = []
     for compiled in (True, False):
         out = View(np.zeros((RESULTS, n), np.float32))
-        run = instantiate(look_all, body.program, compiled=compiled)
+        run = instantiate(look_all, body.program, compiled=compiled, lanes=n)
         with np.errstate(all="ignore"):
             run(body.scene, View(o), View(d), out, n)
         found.append(out.shaped)

@@ -49,23 +49,27 @@ ELSEWHERE = {"cli", "determinism", "docs", "mutants", "static"}
 def select_tests(root: Path, file: str) -> tuple[list[str], list[str]]:
     """Test files that import a file of the package, and the others that concern it."""
     module = "alight." + file.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
-    files = sorted(
-        path
-        for path in (root / "tests").rglob("test_*.py")
-        if path.relative_to(root / "tests").parts[0] not in ELSEWHERE
-    )
+    files = _test_files(root)
     # Readers of one format have a folder of tests, which call them by the names of files.
     own = root / "tests" / Path(file).parent if file.count("/") > 1 else None
-    near = [path for path in files if module in _imports(root, path) or path.parent == own]
+    near = {path for path in files if module in _imports(root, path) or path.parent == own}
     folders = FOLDERS[file.partition("/")[0]].split()
+    telling = sorted(near, key=lambda path: (_place(files[path], folders), path))
     far = [
         path
         for folder in folders
-        for path in files
-        if path.relative_to(root / "tests").parts[0] == folder and path not in near
+        for path, its_folder in files.items()
+        if its_folder == folder and path not in near
     ]
-    near.sort(key=lambda path: _place(path.relative_to(root / "tests").parts[0], folders))
-    return [str(p.relative_to(root)) for p in near], [str(p.relative_to(root)) for p in far]
+    return [str(p.relative_to(root)) for p in telling], [str(p.relative_to(root)) for p in far]
+
+
+@cache
+def _test_files(root: Path) -> dict[Path, str]:
+    """Tests of the package's numbers in the order of their names, with the folder of each."""
+    tests = root / "tests"
+    paths = {path: path.relative_to(tests).parts[0] for path in sorted(tests.rglob("test_*.py"))}
+    return {path: folder for path, folder in paths.items() if folder not in ELSEWHERE}
 
 
 def _place(folder: str, folders: list[str]) -> int:

@@ -94,10 +94,12 @@ CEILING = """
     bsdf: {type: diffuse, reflectance: 0.8}
     transform: [{rotate: {axis: x, angle: 90}}, {scale: 4}, {translate: [0, 4, 0]}]
 """
-BY_THE_CEILING = SCENE % ("box", PINHOLE) + LAMP.replace("angle: 90", "angle: -90") + CEILING
+#: With a ball, as in "a lamp": so both need the same kernels.
+ROOM = SCENE % ("box", PINHOLE) + BALL % "{type: phong}"
+BY_THE_CEILING = ROOM + LAMP.replace("angle: 90", "angle: -90") + CEILING
 
 CASES = {
-    "a lamp": SCENE % ("box", PINHOLE) + BALL % "{type: phong}" + LAMP,
+    "a lamp": ROOM + LAMP,
     "points and directions by a lens, shading normals": SCENE % ("tent", LENS) + GEM + SPOT,
     "under water": UNDER_WATER,
 }
@@ -109,6 +111,75 @@ LONG_CASES = {
     "holes, in parallel": SCENE % ("box", ORTHO) + BALL % HOLES + LAMP,
     "rough glass": SCENE % ("box", PINHOLE) + BALL % ROUGH + LAMP,
 }
+
+#: A lamp that no shadow ray reaches, a mirror, shading normals, and what is seen through glass.
+IN_GLASS = (
+    SCENE % ("box", PINHOLE)
+    + BALL % "{type: mirror, reflectance: 0.8}"
+    + GEM.replace("[-0.7, 0.7, 0]", "[-1.6, 0.7, 1.2]")
+    + """
+  globe:
+    shape: {type: sphere, center: [0.5, 1.7, 1], radius: 0.7}
+    bsdf: {type: dielectric, int_ior: 1.5}
+  lamp:
+    shape: {type: sphere, center: [0.5, 1.7, 1], radius: 0.4}
+    bsdf: {type: diffuse, reflectance: 0.3}
+    light: {type: area, radiance: 8}
+  walls:
+    shape: cube
+    bsdf: {type: diffuse, reflectance: 0.5}
+    transform: [{scale: [4, 4, 6]}, {translate: [0, 3.99, 0]}]
+"""
+)
+
+STAIN = "attenuation_color: [0.9, 0.4, 0.2], attenuation_distance: 0.4"
+#: Where nothing of it is seen: what `MANY` or `IN_STAINED_GLASS` alone would have.
+UNDER_THE_FLOOR = "".join(
+    f"  under {i}: {{shape: {shape}, bsdf: {bsdf}, light: {{type: area, radiance: 1e-3}}, "
+    f"transform: [{{scale: 1e-3}}, {{translate: [{0.1 * i}, -0.5, 0]}}]}}\n"
+    for i, (shape, bsdf) in enumerate(
+        [
+            ("disk", "{type: mirror}"),
+            ("sphere", f"{{type: dielectric, {STAIN}}}"),
+            (
+                "{type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces: [[0, 1, 2]]}",
+                "{type: rough_conductor, alpha: 0.2}",
+            ),
+        ]
+    )
+)
+
+#: Lamps of every kind, so many that a light tree is walked.
+MANY = (
+    SCENE % ("box", PINHOLE)
+    + BALL % "{type: rough_conductor, alpha: 0.2}"
+    + LAMP
+    + "".join(
+        f"  bulb{i}: {{light: {{type: {kind}, intensity: {1 + i % 3}}}, "
+        f"transform: {{look_at: {{origin: [{-3 + 0.35 * i}, {0.5 + 0.1 * (i % 4)}, -1.5], "
+        "target: [0, 0, 0]}}}\n"
+        for i, kind in enumerate(["point", "spot"] * 10)
+    )
+    + """
+  sun: {light: {type: directional, irradiance: 0.5}, transform: {rotate: {axis: x, angle: 70}}}
+"""
+    + UNDER_THE_FLOOR
+    + "environment: {type: constant, radiance: 0.1}\n"
+)
+
+#: Glass that dims what leaves the lamp, but for the piece of the way that ends at the lamp. The
+#: lamps under the floor are next to dark: with them it needs the same kernels as `MANY`.
+IN_STAINED_GLASS = (
+    IN_GLASS.replace("int_ior: 1.5", f"int_ior: 1.5, {STAIN}")
+    + UNDER_THE_FLOOR
+    + "".join(
+        f"  dim{i}: {{light: {{type: {kind}: 1e-9}}, transform: {{translate: [0, -0.7, 0]}}}}\n"
+        for i, kind in enumerate(
+            ["point, intensity", "spot, intensity"] * 10 + ["directional, irradiance"]
+        )
+    )
+    + "environment: {type: constant, radiance: 1e-9}\n"
+)
 
 
 def pictures(text, integrator, spp, seed):
