@@ -7,8 +7,8 @@ from lanewise.jit import kernel
 
 #: Half the film's width and height in pixels; distance of the plane of focus.
 HALF_WIDTH, HALF_HEIGHT, FOCUS = 0, 1, 2
-#: Vectors in world space: viewpoint; unit viewing axis; a pixel to the right and one down on the
-#: plane at distance 1 along it; the lens' two radii; a pixel to the right and down in metres.
+#: Vectors in rendering space: viewpoint; unit viewing axis; a pixel to the right and one down on
+#: the plane at distance 1 along it; the lens' two radii; a pixel to the right and down in metres.
 ORIGIN, FORWARD, RIGHT, DOWN, LENS_X, LENS_Y, METRES_RIGHT, METRES_DOWN = range(3, 27, 3)
 
 
@@ -16,6 +16,12 @@ ORIGIN, FORWARD, RIGHT, DOWN, LENS_X, LENS_Y, METRES_RIGHT, METRES_DOWN = range(
 def vector(table, slot):
     """The vector at `slot` (uniform)."""
     return Vec3(table[slot], table[slot + 1], table[slot + 2])
+
+
+@kernel
+def origin_in_world(table):
+    """Where in the world the origin of rendering space is: the last vector (uniform)."""
+    return vector(table, table.size - 3)
 
 
 @kernel

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import socket
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Most processes of this machine.
 _MOST = 1024
+
+_LAST_PORT = 65535
 
 #: Dask samples the stacks of its loops 100 times a second, and looks at each of them 50 times: with
 #: a scheduler and two nannies that is 3 % of the client's core.
@@ -67,12 +70,16 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
         if file.type != "address":
             security_of(file.checked_keys)
             return
-        where, keys = file.address, file.keys
+        name, where, keys = f"{file.path}: address ", file.address, file.keys
+        forms = "tls://HOST:PORT or tcp://127.0.0.1:PORT"
+    else:
+        name, forms = "", "local:N, tls://HOST:PORT, tcp://127.0.0.1:PORT or FILE.yaml"
     found = re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[^:/\[\]]+):(\d{1,5})", where)
     if found is None:
+        raise OptionError(f'{name}must be {forms}, got "{where}"', "cluster")
+    if not 0 < int(found[3]) <= _LAST_PORT:
         raise OptionError(
-            f'must be local:N, tls://HOST:PORT, tcp://127.0.0.1:PORT or FILE.yaml, got "{where}"',
-            "cluster",
+            f"{name}needs a port in [1, {_LAST_PORT}], got {int(found[3])}", "cluster"
         )
     if found[1] == "tcp" and keys is not None:
         text = "tcp:// takes no keys: use tls://, or leave out {cluster_keys}"
@@ -163,9 +170,22 @@ def connected(
     try:
         client = Client(where, security=security, timeout=_CONNECT, set_as_default=False)
     except (OSError, TimeoutError) as error:
-        raise AlightError(f"no scheduler answers at {where}: {error}") from None
+        raise AlightError(f"no scheduler answers at {where}: {_why(where, error)}") from None
     with client:
         yield client
+
+
+def _why(where: str, error: Exception) -> str:
+    """What is known of a scheduler that does not answer; Dask tells of its patience alone."""
+    scheme, _, rest = where.partition("://")
+    host, _, port = rest.rpartition(":")
+    try:
+        socket.getaddrinfo(host.strip("[]"), int(port))
+    except OSError as unknown:
+        return f"{host}: {unknown.strerror}"
+    if scheme == "tcp":
+        return f"{error}; one with keys answers at tls://{rest} only"
+    return str(error)
 
 
 def _local_cluster(processes: int, modules: Sequence[str]) -> Any:

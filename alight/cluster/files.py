@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -51,6 +52,10 @@ _KEYS: dict[str, tuple[type | tuple[type, ...], str]] = {
     "options": (dict, "a mapping"),
 }
 _NEEDED = {"address": ("address",), "ssh": ("hosts",)}
+
+#: Keys of one type only, and those without effect where a cluster runs already.
+_ONLY = {"address": "address", "hosts": "ssh"}
+_OF_STARTED = ("workers", "wait", "options")
 
 
 #: Pages of Dask know no keys: none of its dashboard, the others for the machine itself.
@@ -151,7 +156,8 @@ def _problems(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
             continue
         kind, text = _KEYS[key]
         is_number = kind is not str and isinstance(value, int | float)
-        if not isinstance(value, kind) or (is_number and (isinstance(value, bool) or value <= 0)):
+        is_wrong = is_number and (isinstance(value, bool) or not 0 < value < math.inf)
+        if not isinstance(value, kind) or is_wrong:
             yield key, f"must be {text}, got {show_value(value)}"
     kind = data.get("type")
     if not isinstance(kind, str):
@@ -160,9 +166,19 @@ def _problems(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
         return
     if kind not in TYPES:
         yield "type", unknown_name("type of cluster", kind, TYPES)
+        return
+    for key, of in _ONLY.items():
+        if key in data and kind != of:
+            yield key, f"belongs to the type {of}, not to {kind}"
+    if kind == "address":
+        for key in _OF_STARTED:
+            if key in data:
+                yield key, "has no effect: a cluster of the type address runs already"
     for key in _NEEDED.get(kind, ()):
         if key not in data:
             yield key, f"is missing: {_KEYS[key][1]}"
+    if kind != "ssh":
+        return
     hosts = data.get("hosts", ["", ""])
     if isinstance(hosts, list) and (len(hosts) < 2 or not all(isinstance(h, str) for h in hosts)):
         yield "hosts", "must be two texts or more: the scheduler's host, and one for each worker"

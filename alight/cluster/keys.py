@@ -6,6 +6,7 @@ Whoever holds it may run any code on the workers, and on the client: tasks and a
 from __future__ import annotations
 
 import os
+import ssl
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,7 @@ def security_of(folder: Path) -> Security:
     Raises
     ------
     OptionError
-        If there are none.
+        If there are none, or they are not a pair.
     """
     from distributed import Security
 
@@ -89,4 +90,10 @@ def _files(folder: Path) -> tuple[str, str]:
     if not (Path(certificate).is_file() and Path(key).is_file()):
         text = f"there is no {CERTIFICATE} and {KEY} in {folder}: alight cluster keys makes them"
         raise OptionError(text, "cluster_keys")
+    try:
+        ssl.create_default_context().load_cert_chain(certificate, key, password="")
+    except (OSError, ValueError) as error:
+        why = getattr(error, "reason", None) or getattr(error, "strerror", None) or str(error)
+        text = f"{CERTIFICATE} and {KEY} in {folder} are not a certificate and its key: {why}"
+        raise OptionError(text, "cluster_keys") from None
     return certificate, key

@@ -31,19 +31,25 @@ class SmallView(NamedTuple):
     size: tuple[int, int]
 
 
-def compile_camera(camera: Camera, to_world: ArrayLike, size: tuple[int, int]) -> View:
+def compile_camera(
+    camera: Camera, to_world: ArrayLike, size: tuple[int, int], origin: ArrayLike = (0.0, 0.0, 0.0)
+) -> View:
     """Table of a camera (float32), as `generate_ray` reads it from ``scene.camera``.
+
+    Its last three numbers are `origin`.
 
     Parameters
     ----------
     camera : Camera
     to_world : (4, 4) float
-        Camera to world, invertible; applied to the camera as to any geometry.
+        Camera to rendering space, invertible; applied to the camera as to any geometry.
     size : (int, int)
         Width and height of the full film in pixels.
+    origin : (3,) float, metres
+        Where in the world the origin of rendering space is (`alight.compiled.rendering_space`).
     """
     table = CAMERAS[camera.type_name()].pack(camera, size, np.asarray(to_world, np.float64))
-    return View(np.ascontiguousarray(table, np.float32))
+    return View(np.concatenate([table, np.asarray(origin)]).astype(np.float32))
 
 
 def small_view(placed: PlacedCamera, size: tuple[int, int]) -> SmallView:

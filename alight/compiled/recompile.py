@@ -16,6 +16,7 @@ from typing import Any
 
 from alight.compiled.cameras import compile_camera, small_view
 from alight.compiled.kept import Kept
+from alight.compiled.rendering_space import shifted
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.registry import versions
 from alight.scene import FlatScene, Scene, flatten
@@ -72,12 +73,14 @@ class Compiled:
         flat = replace(self.flat, camera=placed)
         number = self.parts.index(camera_part(self.flat.camera))
         parts = (*self.parts[:number], camera_part(placed), *self.parts[number + 1 :])
-        camera = compile_camera(placed.camera, placed.to_world, flat.film.size)
+        origin = self.compiled.origin
+        near = shifted(placed, origin)
+        camera = compile_camera(near.camera, near.to_world, flat.film.size, origin)
         compiled = replace(
             self.compiled,
             tables=self.compiled.tables._replace(camera=camera),
             content_hash=hash_of(parts),
-            small_view=self.compiled.small_view and small_view(placed, flat.film.size),
+            small_view=self.compiled.small_view and small_view(near, flat.film.size),
         )
         return replace(self, flat=flat, compiled=compiled, parts=parts)
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from alight.accel.accelerator import build_accelerator
 from alight.bsdfs.interiors.absorption import ABSORBING
 from alight.compiled.bodies import with_bodies
@@ -19,9 +22,11 @@ from alight.compiled.materials import compile_materials
 from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.program import Program
+from alight.compiled.rendering_space import WORLD, in_rendering_space, origin_for
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.compiled.suspicious_bodies import suspicious_bodies
+from alight.compiled.suspicious_contacts import suspicious_contacts
 from alight.compiled.suspicious_sizes import suspicious_sizes
 from alight.core.motion import RIGID
 from alight.core.registry import versions
@@ -81,6 +86,8 @@ class CompiledScene:
         Of scenes whose layers name what is seen.
     ground : Ground or None
         Of scenes whose shadows are caught on it.
+    origin : (3,) float64, metres
+        Where in the world the origin of the tables' coordinates is.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -95,6 +102,7 @@ class CompiledScene:
     guide: Guide | None = None
     surfaces: Surfaces | None = None
     ground: Ground | None = None
+    origin: NDArray[np.float64] = field(default_factory=lambda: WORLD)
 
 
 def compile_scene(
@@ -136,10 +144,16 @@ def compile_scene(
     """
     kept, paths = kept or Kept(), MotionTable()
     given, flat = flat, displaced(flat, kept)
+    meshes = flat
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
+    uv_sets = UV_SETS in textures
+    shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
+    origin = origin_for(flat, shapes)
+    if origin.any():
+        flat, paths = in_rendering_space(flat, origin), MotionTable()
+        shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
     if ABSORBING in bsdfs:
         materials = with_bodies(materials, flat)
-    shapes = compile_shapes(flat, paths, uv_sets=UV_SETS in textures, kept=kept)
     accel, plan, stats = kept(
         f"{structure} by {builder}",
         partial(build_accelerator, structure=structure, builder=builder, threads=threads),
@@ -158,7 +172,7 @@ def compile_scene(
         materials=materials,
         lights=lights.tables,
         accel=accel,
-        camera=compile_camera(flat.camera.camera, flat.camera.to_world, flat.film.size),
+        camera=compile_camera(flat.camera.camera, flat.camera.to_world, flat.film.size, origin),
         filter=compile_filter(flat.film.filter),
     )
     media, phases = (), ()
@@ -199,13 +213,15 @@ def compile_scene(
         crop=flat.film.crop,
         content_hash=content_hash,
         integrator=flat.integrator,
-        stats=stats | ({"displaced": told(given, flat)} if given is not flat else {}),
+        stats=stats | ({"displaced": told(given, meshes)} if given is not meshes else {}),
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
         ground=ground_of(flat, shapes, program, tables) if SHADOW in aovs else None,
+        origin=origin,
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),
+            *suspicious_contacts(given),
             *suspicious_sizes(flat, shapes),
             *_darkness(flat, lights.is_dark and EMISSIVE not in media),
         ),

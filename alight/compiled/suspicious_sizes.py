@@ -32,21 +32,46 @@ def suspicious_sizes(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...]
     apart = np.spacing(away.astype(np.float32)).astype(np.float64)
     far = (size > 0.0) & (apart > COARSE * size)
     of_mesh = np.array([placed.geometry != NO_GEOMETRY for placed in flat.shapes])[sources]
+    found = _rounded_meshes(flat)
+    far &= ~np.isin(sources, [number for number, _ in found])
     lost = of_mesh & (((size > 0.0) & (size < SMALLEST)) | (size > LARGEST))
-    found = []
+    told = [text for _, text in found[:1]]
     if far.any():
         at = int(far.argmax())
-        found.append(
+        told.append(
             f"{_named(flat, sources[far])} {away[at]:.2g} m from the origin, where numbers of "
             f"float32 are {100.0 * apart[at] / size[at]:.2g} % of its size apart: move the scene "
             "to the origin"
         )
     if lost.any():
-        found.append(
+        told.append(
             f"{_named(flat, sources[lost])} {size[lost.argmax()]:.2g} m across: normals of "
             f"triangles are exact from {SMALLEST:g} m to {LARGEST:g} m only; scale the scene"
         )
-    return tuple(found)
+    return tuple(told)
+
+
+def _rounded_meshes(flat: FlatScene) -> list[tuple[int, str]]:
+    """Meshes whose own vertices are too far from the origin of the mesh, and what is said."""
+    apart, found = {}, []
+    for number, placed in enumerate(flat.shapes):
+        if placed.geometry == NO_GEOMETRY:
+            continue
+        if placed.geometry not in apart:
+            vertices = flat.geometries[placed.geometry].vertices
+            away = np.abs(vertices).max()
+            size = float(np.ptp(vertices, axis=0).max())
+            share = float(np.spacing(away)) / size if size > 0.0 else 0.0
+            apart[placed.geometry] = share, float(away)
+        share, away = apart[placed.geometry]
+        if share > COARSE:
+            text = (
+                f"{placed.name}: its vertices lie {away:.2g} m from the origin of the mesh, where "
+                f"numbers of float32 are {100.0 * share:.2g} % of its size apart: subtract their "
+                "middle, and move the node there"
+            )
+            found.append((number, text))
+    return found
 
 
 def _named(flat: FlatScene, sources: NDArray[np.int64]) -> str:

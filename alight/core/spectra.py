@@ -51,11 +51,46 @@ def to_linear_srgb(
         Whether it is emitted, not a property of a surface.
     """
     spectrum = np.interp(_FINE, wavelengths, values, left=0.0, right=0.0)
+    return [max(0.0, float(channel)) for channel in _seen(spectrum, shines=shines)]
+
+
+def _seen(spectrum: NDArray[np.float64], *, shines: bool) -> NDArray[np.float64]:
+    """Linear sRGB of a spectrum at the wavelengths `_FINE`, with what is negative."""
     if not shines:
         spectrum = spectrum * np.interp(_FINE, WAVELENGTHS, D65) / DAYLIGHT
     curves = [np.interp(_FINE, WAVELENGTHS, OBSERVER[:, i]) for i in range(3)]
     xyz = [np.trapezoid(spectrum * curve, _FINE) / LUMINOUS for curve in curves]
-    return [max(0.0, float(channel)) for channel in TO_SRGB @ xyz]
+    return TO_SRGB @ xyz
+
+
+def reduction_error(
+    wavelengths: NDArray[np.float64], values: NDArray[np.float64], *, shines: bool
+) -> tuple[float, float]:
+    r"""How far light is off if three numbers take the place of a spectrum s.
+
+    .. math:: e_k = \max_c |S(s^k)_c - \bar S(s)_c^k| \Big/ \max_c |S(s^k)_c|
+
+    S is the colour in linear sRGB, and \bar S what is left of it in [0, 1], of lights above 0.
+
+    Parameters
+    ----------
+    wavelengths, values, shines
+        See `to_linear_srgb`.
+
+    Returns
+    -------
+    e_1, e_2 : float
+        Of what is seen directly, in daylight if it does not shine, and after two reflections; of
+        lights the latter is 0.
+    """
+    spectrum = np.interp(_FINE, wavelengths, values, left=0.0, right=0.0)
+    kept = np.clip(_seen(spectrum, shines=shines), 0.0, np.inf if shines else 1.0)
+    off = []
+    for times in (1,) if shines else (1, 2):
+        color = _seen(spectrum**times, shines=shines)
+        most = np.abs(color).max()
+        off.append(float(np.abs(color - kept**times).max() / most) if most > 0.0 else 0.0)
+    return off[0], 0.0 if shines else off[1]
 
 
 def reflectance_weights(wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -80,8 +80,10 @@ def check_samples(film: Film, spp: int) -> None:
         return
     cells = film.cells[cells_of(*film.crop)]
     held = next(cell for cell in cells.flat if cell.count != spp)
+    least, most = count.min(), count.max()
     raise FilmError(
-        f"there are {count.min()} to {count.max()} samples per pixel, not {spp}; "
+        f"there are {least if least == most else f'{least} to {most}'} samples per pixel, "
+        f"not {spp}; "
         f"a cell holds the samples {held}"
     )
 

@@ -41,6 +41,7 @@ from collections.abc import Iterable
 from alight.accel import intersect_closest
 from alight.bsdfs.dispatch import albedo_bsdf, is_mixed, sample_bsdf
 from alight.bsdfs.flags import DELTA
+from alight.cameras.table import origin_in_world
 from alight.core.constants import INFINITY
 from alight.core.vec import Vec3, max_component
 from alight.films.fixed_point import put_limbs
@@ -179,7 +180,7 @@ def first_hit(scene, layer, path, hit, surface):
     elif layer == GEOMETRIC_NORMAL:
         value = surface.ng
     elif layer == POSITION:
-        value = surface.p
+        value = surface.p + origin_in_world(scene.camera)
     elif layer == DEPTH:
         value = Vec3(hit.t, lanes(0.0), lanes(0.0))
     elif layer == UV:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Self
 
+import numpy as np
 from pydantic import model_validator
 
 from alight.core.field_types import Color, Positive, Reflectance
@@ -52,6 +53,14 @@ class Coefficients(Medium):
     def shining(self, emission: Triple) -> Self:
         """The same with this emission everywhere."""
         return self.replaced(emission=emission)
+
+    def moved(self, shift: np.ndarray) -> Self | None:
+        """The same in another place, (3,) metres further; None if a medium cannot tell its place.
+
+        What is the same everywhere has none. A scene with a medium that returns None is rendered in
+        the coordinates that it has, however far they are from the origin.
+        """
+        return None
 
     @model_validator(mode="after")
     def _given_one_way(self) -> Self:

@@ -103,6 +103,12 @@ class Grid(Coefficients):
         """The same with this emission everywhere."""
         return self.replaced(emission=emission, emission_values=None)
 
+    def moved(self, shift: np.ndarray) -> Self:
+        """The same in another place."""
+        matrix = to_world(self)[:3]
+        matrix[:, 3] += shift
+        return self.replaced(matrix=tuple(matrix.ravel().tolist()))
+
     low: Vector3 = (0.0, 0.0, 0.0)
     high: Vector3 = (1.0, 1.0, 1.0)
     matrix: Annotated[tuple[float, ...], Numbers(12, Interval())] | None = None

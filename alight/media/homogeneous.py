@@ -7,7 +7,7 @@ Source: Beer's law; PBR4 sections 11.2 and 11.4.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 
@@ -34,6 +34,10 @@ class Homogeneous(Coefficients):
     """The same everywhere."""
 
     type: Literal["homogeneous"] = "homogeneous"
+
+    def moved(self, shift: np.ndarray) -> Self:
+        """It has no place."""
+        return self
 
 
 EXAMPLES = (

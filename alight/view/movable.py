@@ -9,6 +9,7 @@ import numpy as np
 
 from alight.compiled.cameras import compile_camera
 from alight.compiled.recompile import Compiled, compiled_of
+from alight.compiled.rendering_space import shifted
 from alight.compiled.scene import CompiledScene
 from alight.films.fixed_point import carry, to_float
 from alight.integrators.aov import LAYERS, layer_bits
@@ -99,7 +100,8 @@ class Movable:
         width, height = (-(-side // COARSER) for side in self.size)
         x, y, w, h = (edge // COARSER for edge in self.window)
         x, y = min(x, width - 1), min(y, height - 1)
-        camera = compile_camera(pose.camera, pose.to_world, (width, height))
+        near = shifted(PlacedCamera(pose.camera, pose.to_world), compiled.origin)
+        camera = compile_camera(near.camera, near.to_world, (width, height), compiled.origin)
         # Layers that the kernel of the picture gathers: without them it would be another one.
         split = tuple(name for name in compiled.program.aovs if name not in LAYERS)
         if is_to_be_guided(compiled):

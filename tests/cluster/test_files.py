@@ -1,6 +1,7 @@
 """Cluster files: what they say is done, over TLS; what is wrong with one is said with its place."""
 
 import logging
+import socket
 import sys
 import types
 from dataclasses import replace
@@ -9,7 +10,7 @@ import pytest
 import yaml
 
 import alight
-from alight.cluster import files, worker
+from alight.cluster import addresses, files, worker
 from alight.cluster.addresses import check_address
 from alight.cluster.files import read_cluster_file
 from alight.cluster.keys import make_keys, role_settings, security_of
@@ -44,6 +45,21 @@ WRONG = {
     "yes": ("type: slurm\nworkers: true", "must be a whole number > 0, got true"),
     "no address": ("type: address", "address\n  is missing: tls://HOST:PORT"),
     "in the clear": ("type: address\naddress: tcp://10.0.0.1:1", "neither encrypted nor closed"),
+    "no number of seconds": ("type: slurm\nwait: .nan", "number of seconds > 0, got nan"),
+    "no end": ("type: slurm\nwait: .inf", "number of seconds > 0, got inf"),
+    "a key of another type": (
+        "type: slurm\nhosts: [a, b]",
+        "farm.yaml:2:8  hosts\n  belongs to the type ssh, not to slurm",
+    ),
+    "nothing to start": (
+        "type: address\naddress: tls://a:1\nworkers: 2",
+        "workers\n  has no effect: a cluster of",
+    ),
+    "no address at all": (
+        "type: address\naddress: a",
+        "farm.yaml: address must be tls://HOST:PORT or tcp://127.0.0.1:",
+    ),
+    "no port": ("type: address\naddress: tls://a:65536", "needs a port in [1, 65535], got 65536"),
     "no keys": ("type: slurm", "farm.yaml needs keys, or cluster_keys"),
     "keys of nobody": ("type: slurm\nkeys: lost", "there is no certificate.pem"),
     "code": ("type: !!python/name:os.system x", "YAML tags"),
@@ -55,6 +71,37 @@ def test_a_wrong_file_is_refused_before_anything_starts(farm, text, message):
     with pytest.raises(OptionError) as refused:
         alight.render("cornell-box", spp=1, size=8, cluster=farm(text))
     assert message in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["certificate.pem", "key.pem"])
+def test_files_that_are_no_keys_are_refused_before_anything_starts(farm, tmp_path, name):
+    (tmp_path / "keys" / name).write_text("a shopping list")
+    where = farm("type: slurm\nkeys: keys")
+    with pytest.raises(OptionError, match="are not a certificate and its key: "):
+        alight.render("cornell-box", spp=1, size=8, cluster=where)
+
+
+def test_a_key_of_another_certificate_is_refused(tmp_path):
+    for name in "ab":
+        make_keys(tmp_path / name)
+    (tmp_path / "a" / "key.pem").replace(tmp_path / "b" / "key.pem")
+    with pytest.raises(OptionError, match=r"certificate and its key: KEY_VALUES_MISMATCH"):
+        security_of(tmp_path / "b")
+
+
+def test_a_host_that_nobody_knows_is_named(monkeypatch):
+    def unknown(host, port):
+        raise socket.gaierror(-2, "Name or service not known")
+
+    monkeypatch.setattr(addresses.socket, "getaddrinfo", unknown)
+    assert addresses._why("tls://lion:8786", TimeoutError("20 s")) == (
+        "lion: Name or service not known"
+    )
+
+
+def test_a_scheduler_that_speaks_tls_is_asked_for_keys():
+    told = addresses._why("tcp://127.0.0.1:1", OSError("reset"))
+    assert told == "reset; one with keys answers at tls://127.0.0.1:1 only"
 
 
 def test_a_file_that_is_not_there_is_refused(farm):

@@ -8,6 +8,7 @@ import alight
 from alight.formats import loads
 from alight.laws.statistics import LARGEST_Z
 from alight.lights import environment
+from alight.lights.bright_disk import brightest_disk
 from alight.lights.daylight import solid_angle
 from alight.lights.environment import Environment
 from alight.lights.sun import Sun
@@ -130,3 +131,11 @@ def test_a_picture_without_a_sun_has_none():
     # Too dim to be looked for; black.
     assert environment.disk_of(Environment(pixels=Image(small)), np.eye(4)) is None
     assert environment.disk_of(Environment(pixels=Image(0.0 * small)), np.eye(4)) is None
+
+
+def test_a_sun_of_one_texel_reaches_as_far_as_the_next_one():
+    pixels = np.ones((64, 128, 3), np.float32)
+    pixels[20, 30] = 1e4
+    disk = brightest_disk(pixels, np.eye(3))
+    assert disk is not None
+    assert abs(disk.half_angle - np.hypot(np.pi / 63.0, 2.0 * np.pi / 128.0)) < 1e-6

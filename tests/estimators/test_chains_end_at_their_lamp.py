@@ -3,11 +3,12 @@
 from unittest import mock
 
 import numpy as np
+import pytest
 
 from alight.bsdfs.flags import REFLECTION
 from alight.core.vec import Vec3
 from alight.integrators import walk
-from alight.integrators.caustics.chain_types import Type
+from alight.integrators.caustics.chain_types import MOST_EVENTS, Type
 from alight.integrators.caustics.specular_chain import Plan, Start, follow
 from alight.lights.targets import target_at
 from alight.media.tables import Stream
@@ -78,3 +79,69 @@ def test_lamps_before_each_other_are_told_apart():
         miss = followed.miss
         miss = np.linalg.norm([np.broadcast_to(c, N) for c in (miss.x, miss.y, miss.z)], axis=0)
         np.testing.assert_allclose(miss, aside, atol=1e-4)
+
+
+def led(text, d, type_, most, rng=None):
+    """`Followed` of rays (n, 3) from the origin to the only lamp; by chance if `rng` is given."""
+    scene, n = compiled(text), len(d)
+    lead, aim = (
+        np.errstate(all="ignore")(instantiate(root, scene.program, compiled=False))
+        for root in (follow, target_at)
+    )
+    none = np.zeros(n, np.uint32)
+    keys = [none, none]
+    if rng is not None:
+        keys = [rng.integers(0, 1 << 32, n, dtype=np.uint32) for _ in range(2)]
+    start = Start(Vec3(*np.zeros((3, n), np.float32)), Vec3(*np.float32(d.T)), (), (), ())
+    plan = Plan(
+        type=Type(none + type_[0], none + type_[1]), chance=np.full(n, rng is not None),
+        final=none == 0, stream=Stream(*keys, none), first=none, most=none + np.uint32(most),
+    )  # fmt: skip
+    with mock.patch.object(walk, "mask_bits", lambda mask: 0):
+        return lead(scene.tables, start, aim(scene.tables, none), plan, none == 0)
+
+
+ABOVE = """
+alight: 1
+integrator: {type: path, max_depth: 6, caustics: manifold}
+camera: {type: pinhole, transform: {translate: [0, 0, 9]}}
+nodes:
+  mirror:
+    shape: rectangle
+    bsdf: {type: mirror}
+    transform: [{scale: 90}, {translate: [0, 0, %g]}]
+  lamp: {shape: {type: sphere, center: [0, 0, 5], radius: 0.5}, light: {type: area, radiance: 5}}
+"""
+
+
+@pytest.mark.parametrize("leaves", [1, 5, 12])
+def test_a_chain_passes_as_many_leaves_as_there_are(leaves):
+    """Each takes its part and is an edge, and the light needs them all."""
+    text = ABOVE % -1 + "".join(
+        f"  leaf{i}: {{shape: rectangle,\n"
+        f"         bsdf: {{type: mask, opacity: 0.1, bsdf: {{type: diffuse}}}},\n"
+        f"         transform: [{{scale: 9}}, {{translate: [0, 0, {0.5 + 0.2 * i}]}}]}}\n"
+        for i in range(leaves)
+    )
+    d = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    for row, (edges, type_) in enumerate(((1, (0, 0)), (2, (REFLECTION, 1)))):
+        for more in (0, 1):
+            most = edges + leaves - 1 + more
+            found = led(text, d[[row]], type_, most=most)
+            wanted = 5.0 * 0.9**leaves if more else 0.0
+            np.testing.assert_allclose(found.found.x, wanted, rtol=1e-5)
+            assert found.edges == (edges + leaves if more else 0)
+
+
+def test_a_chain_has_no_more_events_than_its_type_has_bits():
+    """Between two mirrors it goes to and fro as often as it may."""
+    text = ABOVE % -1 + (
+        "  ceiling: {shape: {type: rectangle, flip_normals: true}, bsdf: {type: mirror}, "
+        "transform: [{scale: 90}, "
+        "{translate: [0, 0, 2]}]}\n"
+    )
+    d = np.tile([[0.6, 0.0, -0.8]], (N, 1))
+    found = led(text, d, (0, 0), most=99, rng=np.random.default_rng(3))
+    count = np.broadcast_to(found.type.count, N)
+    assert found.fine.all()
+    assert sorted({*count.tolist()}) == [*range(1, MOST_EVENTS + 1)]

@@ -8,6 +8,7 @@ from alight.bsdfs.specular import EVENT_BITS, EVENT_MASK
 from alight.compiled.casters import is_caster
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
+from alight.integrators.caustics import manifold_sampling
 from alight.integrators.caustics.chain_types import (
     MOST_EVENTS,
     Type,
@@ -16,6 +17,7 @@ from alight.integrators.caustics.chain_types import (
 )
 from alight.laws.materials import Material, direction, random_numbers
 from alight.scene import flatten
+from lanewise.jit import kernel
 from tests.sampling.materials import EXAMPLES, NAMES
 from tests.twin import picture_of
 
@@ -114,3 +116,12 @@ def test_no_chain_begins_inside_of_a_body():
     pictures = [picture_of(loads(BODY % way), 8) for way in ("manifold", "paths")]
     np.testing.assert_array_equal(*pictures)
     assert pictures[0].max() > 0.0
+
+
+def test_directions_that_are_refused_bring_no_light(monkeypatch):
+    """Those of a solution that is too dense: without the question all of them would count."""
+    glass = scene(lamp=SHINING.replace("0.3", "0.05"))
+    usual = picture_of(glass, 4)
+    monkeypatch.setattr(manifold_sampling, "_is_kept", kernel(lambda accept, *_: accept < 0.0))
+    refused = picture_of(glass, 4)
+    assert (refused <= usual).all() and refused.sum() < usual.sum()

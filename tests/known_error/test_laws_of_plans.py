@@ -159,3 +159,11 @@ def test_what_roulette_ends_is_all_that_is_missing():
     assert _series(np.array([0.0, 0.0]))[0] == 0.0
     for endless in ([0.5, 0.5], [0.2, 0.5], [0.5, -0.1]):
         assert _series(np.array(endless))[0] == math.inf
+
+
+def test_the_time_on_the_clock_is_shared_among_threads():
+    plan = plan_of(pilot_of(need=4.0), 4)
+    for threads in (1, 8):
+        (time,) = [text for name, text in replace(plan, threads=threads)._lines() if "time" in name]
+        seconds = float(time.rpartition("about ")[2].removesuffix(" s"))
+        assert seconds == pytest.approx(plan.seconds.value / threads, rel=1e-2)

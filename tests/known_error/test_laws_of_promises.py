@@ -8,7 +8,9 @@ import pytest
 from scipy import stats
 
 from alight.core.errors import OptionError
+from alight.metrics.error_estimate import ErrorEstimate, Figure
 from alight.metrics.own_error import estimate_relmse
+from alight.rendering.schedules import stopping
 from alight.rendering.schedules.stopping import (
     FIRST_LOOK,
     GROWTH,
@@ -365,11 +367,25 @@ def test_with_an_empty_replicate_nothing_is_known(metric, counts):
 def test_samples_that_are_missing_go_with_the_square_of_the_error(step, error):
     """But with what may be unseen itself, where that is more; none are where a promise is met."""
     means, counts = stepping(np.full((16, 16), 2.0), np.full((16, 16), step))
-    for largest in (None, 3.0, 300.0):
-        found = judge_means(means, counts, Promise(error), largest)
+    for largest, by_chance in ((None, False), (3.0, False), (300.0, False), (3.0, True)):
+        found = judge_means(means, counts, Promise(error), largest, by_chance)
         if found.met:
             assert found.factor == 1.0
         else:
             noise, unseen = (found.achieved / error) ** 2, found.unseen / error
             assert found.factor == pytest.approx(max(noise, unseen, 1.0))
             assert found.achieved > error or found.unseen > error
+
+
+@pytest.mark.parametrize("doubt", ["brightness", "rise"])
+def test_a_promise_is_doubted_where_the_brightness_of_noisy_pixels_alone_stands_in_its_way(
+    monkeypatch, doubt
+):
+    means, counts = stepping(np.ones((8, 8)), np.full((8, 8), 0.1))
+    for value, doubted in ((0.01, True), (0.03, False)):
+        figure = Figure(value**2, 1e6, 4)._replace(**{doubt: 4.0})
+        estimate = ErrorEstimate(figure, figure, 0.01, 1.0)
+        monkeypatch.setattr(stopping, "estimate_relmse", lambda *_, found=estimate: found)
+        found = judge_means(means, counts, Promise(0.02))
+        assert found.achieved > 0.02
+        assert found.doubted == doubted

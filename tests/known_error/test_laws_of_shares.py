@@ -15,6 +15,7 @@ from alight.rendering.schedules.adaptive import (
     over_cells,
     shares_of,
 )
+from alight.rendering.schedules.cycles import Cycles, cycles_error, first_decision
 
 #: Four replicates whose two halves have the same spread.
 SIGNS = np.array([1.0, 1.0, -1.0, -1.0])
@@ -222,3 +223,39 @@ def test_even_shares_get_what_was_asked_for():
         mean = counts_at(shares, spp, 4).mean()
         assert mean == pytest.approx(shares.mean() * spp, rel=0.04)
         assert math.isfinite(mean)
+
+
+def noisy(brightness, step):
+    """Every second replicate is brighter by `step`, the others are darker."""
+    return (brightness[..., None] + step[..., None] * [1.0, -1.0, 1.0, -1.0])[..., None] * np.ones(
+        3
+    )
+
+
+@pytest.mark.parametrize("brightness", [0.0, 0.05, 0.3, 0.4, 5.0])
+def test_the_error_of_cycles_is_over_the_root_of_what_is_dark_and_over_what_is_bright(brightness):
+    means = noisy(np.full((2, 3), brightness), np.full((2, 3), 0.01))
+    # Of three channels together, as its brightness is.
+    whole = 3.0 * brightness
+    scale = 1e-4 + (whole if whole >= 1.0 else math.sqrt(whole))
+    found = cycles_error(means, np.full(means.shape[:3], 2))
+    np.testing.assert_allclose(found, 0.03 / scale, rtol=1e-6)
+
+
+@pytest.mark.parametrize("corner", [(0, 0), (16, 0), (0, 24), (40, 8)])
+def test_cycles_goes_on_with_the_noisy_cells_of_a_window(corner):
+    """And says what share of the window, not of the picture around it, has ended."""
+    step = np.zeros((24, 40))
+    step[4, 12], step[20, 36] = 0.5, 0.5
+    pilot = Pilot(noisy(np.ones(step.shape), step), corner, (96, 64))
+    begin = first_decision(0.01)
+    rule = Cycles(0, begin + 16, 0.01)
+    first = rule.next([pilot]).count
+    more = rule.next([pilot]).count - first
+    wanted = np.zeros((3, 5))
+    wanted[0, 1], wanted[2, 4] = 16, 16
+    inside = cells_of(*pilot.crop)
+    np.testing.assert_array_equal(more[inside], wanted)
+    assert more.sum() == wanted.sum()
+    assert first.sum() == (first == begin).sum() * begin == 15 * begin
+    assert rule.next([pilot]).line.endswith("stopped 86.7 % of the cells early")

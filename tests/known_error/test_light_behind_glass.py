@@ -8,11 +8,18 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.core.vec import Vec3
 from alight.films import CELL_SIZE, Film
 from alight.laws.statistics import LARGEST_Z
 from alight.rendering import depth_cap
 from alight.rendering.depth_cap import light_beyond
-from alight.rendering.light_behind_glass import DIRECTIONS, POINTS, light_behind_glass
+from alight.rendering.light_behind_glass import (
+    _SHARP,
+    DIRECTIONS,
+    POINTS,
+    _first_opaque,
+    light_behind_glass,
+)
 from alight.rendering.main_loop import job_of
 from alight.rendering.plan import Pilot
 from alight.rendering.schedules.schedule import Uniform
@@ -98,6 +105,10 @@ def test_the_pilot_sees_what_the_lamp_would_give_without_the_pane(lamps):
     assert abs(total.mean() - light.mean()) < LARGEST_Z * error
 
 
+#: No path meets it, whatever chance does.
+BULB = {"light": {"type": "point", "intensity": 9}, "transform": {"translate": [0, 0, HEIGHT]}}
+
+
 @pytest.mark.parametrize(
     "changes",
     [
@@ -109,6 +120,7 @@ def test_the_pilot_sees_what_the_lamp_would_give_without_the_pane(lamps):
         {"integrator": {"type": "random_walk"}},
         {"integrator": {"type": "path", "caustics": "manifold"}},
         {"integrator": {"type": "bidirectional"}},
+        {"more": {"lamp": BULB}},
     ],
     ids=str,
 )
@@ -268,3 +280,20 @@ def test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed(monkeyp
         assert samples <= done < 1.2 * samples + 4 * 24 * 32
         assert lost.radiance == 0.0
         assert lost.error == pytest.approx(9 * 2.0 / POINTS * math.exp(-done * q))
+
+
+def test_glass_that_is_hardly_rough_spreads_light_into_one_over_its_density():
+    """A pane of the density p per steradian; what is clear spreads nothing."""
+    n = 64
+    flat = flatten(room(pane={"type": "rough_dielectric", "alpha": 0.003}))
+    scene = compile_scene(flat)
+    zero, one = np.zeros(n, np.float32), np.ones(n, np.float32)
+    for clear, most in ((False, 1.0 / _SHARP), (True, 0.0)):
+        hit, _, glass, spread = _first_opaque(
+            scene, np.full(len(flat.bsdfs), clear), Vec3(zero, zero, 0.5 * one),
+            Vec3(zero, zero, one), 1.2 * one, np.random.default_rng(0),
+        )  # fmt: skip
+        # Some samples mirror light, and some facets lean too far.
+        passed = np.isinf(hit.t)
+        assert passed.mean() > 0.3 and glass[passed].all()
+        assert (spread[passed] <= most).all() and ((spread[passed] > 0.0) == (most > 0.0)).all()

@@ -10,7 +10,7 @@ from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.lab import make_reference as making
 from alight.lab.make_reference import make_reference
-from alight.lab.references import Reference, demand_quiet, external_reference
+from alight.lab.references import Reference, demand_quiet, external_reference, reference_arm
 from alight.lab.results import ReferenceInfo
 from alight.lab.statistics.block_means import exact_statistics
 from alight.lab.study import ReferenceSpec, Study, StudyError
@@ -139,3 +139,14 @@ def test_references_that_would_take_for_ever_are_refused(monkeypatch):
     Renders(monkeypatch, first_error=math.nan)
     with pytest.raises(StudyError, match="is it black"):
         make_reference(scene, 0.01)
+
+
+@pytest.mark.parametrize("biased", [False, True])
+def test_the_baseline_renders_the_reference_if_it_may(biased):
+    arms = [
+        SimpleNamespace(name=name, declares_different=different, options={})
+        for name, different in (("first", False), ("base", biased), ("last", False))
+    ]
+    study = SimpleNamespace(arms_of=lambda _: arms, baseline_of=lambda _: arms[1])
+    scene = SimpleNamespace(reference=ReferenceSpec())
+    assert reference_arm(study, scene) == ("first" if biased else "base")

@@ -119,6 +119,6 @@ def test_a_kept_reference_of_another_size_is_not_taken(tmp_path):
     image = np.ones((6, 8, 3), np.float32)
     facts = json.dumps({"spp": 4, "seconds": 1.0, "key": "k"})
     np.savez(tmp_path / "a.npz", image=image, variance=image, rows=rows, facts=facts)
-    for size in ((8, 6), (6, 8)):
+    for size in ((8, 6), (6, 8), (7, 6), (8, 5)):
         arm = SimpleNamespace(size=size, spec=SimpleNamespace(name="base"))
         assert (_kept(tmp_path / "a.npz", arm) is not None) == (size == (8, 6))

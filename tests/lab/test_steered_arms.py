@@ -111,3 +111,20 @@ def test_gains_are_of_relmse_and_of_its_product_with_time():
     width = np.exp(np.sqrt(2.0 * np.log(1.1) ** 2 + 2.0 * np.log(1.2) ** 2))
     assert time == pytest.approx([2.0, 2.0 / width, 2.0 * width])
     assert mean == pytest.approx([1.0, -2.0, 4.0])
+
+
+def test_guides_are_made_ready_alike_with_and_without_a_schedule(arms, monkeypatch):
+    class ReadyError(Exception):
+        pass
+
+    def made_ready(*given):
+        raise ReadyError(given)
+
+    told = []
+    for module, name in ((measure, "even"), (steering, "adaptive")):
+        monkeypatch.setattr(module, "made_ready", made_ready)
+        with pytest.raises(ReadyError) as found:
+            list(arms[name].render(5, LADDER, 1))
+        told.append(found.value.args[0])
+    even, steered = told
+    assert even[2:] == steered[2:] == (5, 1, LADDER[-1])

@@ -34,7 +34,10 @@ from alight.lab.why.shares import (
     REPLICATES,
     TECHNIQUES,
     Part,
+    _coded,
     _Divider,
+    _part,
+    _within,
     relative_weights,
     shares_of,
 )
@@ -341,3 +344,40 @@ def test_wrong_options(words, message, tmp_path, monkeypatch):
     assert result.exit_code == 2
     assert message in result.output
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("size", [(6, 20), (20, 6), (8, 8)])
+def test_a_region_counts_the_pixels_that_it_touches(size):
+    """Left, right, top and bottom of pictures that are wide or tall; their mean stays."""
+    height, width = size
+    rng = np.random.default_rng(height)
+    for _ in range(40):
+        x, y = rng.uniform(0.0, 0.9, 2)
+        w, h = rng.uniform(0.0, 1.0, 2) * (1.0 - x, 1.0 - y)
+        weights = rng.uniform(1.0, 2.0, (height, width, 3))
+        columns, rows = np.arange(width) / width, np.arange(height) / height
+        touched = ((rows < y + h) & (rows + 1 / height > y))[:, None]
+        touched = touched & (columns < x + w) & (columns + 1 / width > x)
+        found = _within(weights, (x, y, w, h))
+        assert ((found > 0.0) == touched[..., None]).all()
+        assert (found[touched] / weights[touched]).std() < 1e-9
+        assert np.mean(found[touched] / weights[touched]) == pytest.approx(
+            height * width / touched.sum()
+        )
+
+
+def test_kinds_of_contributions_keep_all_of_their_fields():
+    """All depths, techniques, lights and materials; from the deepest on they are one kind."""
+    lights, materials = ([f"{what}{i}" for i in range(300)] for what in ("light", "bsdf"))
+    rng = np.random.default_rng(5)
+    depth, how, light, bsdf = (
+        rng.integers(low, high, 500)
+        for low, high in ((0, 24), (0, len(TECHNIQUES)), (0, 300), (-1, 300))
+    )
+    found = SimpleNamespace(depth=depth, how=how, light=light, bsdf=bsdf)
+    for row, code in enumerate(_coded(found).tolist()):
+        wanted = Part(
+            min(int(depth[row]), 16), TECHNIQUES[how[row]], lights[light[row]],
+            materials[bsdf[row]] if bsdf[row] >= 0 else "",
+        )  # fmt: skip
+        assert _part(code, lights, materials) == wanted

@@ -1,8 +1,12 @@
 """What walks aim at: the table of targets by closed forms, and the boxes of what casts caustics."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from alight.bsdfs.conductors.mirror import Mirror
+from alight.compiled import casters
 from alight.core.vec import Vec3
 from alight.lights.targets import (
     FINE,
@@ -210,3 +214,11 @@ def test_a_lamp_with_a_shape_has_one_radius_from_everywhere():
     radius = instantiate(radius_at, scene.program, compiled=False)
     for distance in np.array([0.7, 1.0, 30.0], np.float32):
         np.testing.assert_allclose(radius(target, distance), 0.5, rtol=1e-4)
+
+
+def test_what_reaches_to_infinity_has_no_box_to_aim_at(monkeypatch):
+    """Along one axis is enough."""
+    ends = [(np.zeros(3), np.ones(3)), (np.zeros(3), np.array([1.0, np.inf, 1.0])), None]
+    flat = SimpleNamespace(bsdfs=[Mirror()], shapes=[SimpleNamespace(bsdf=0, box=b) for b in ends])
+    monkeypatch.setattr(casters, "box_of", lambda _, placed: placed.box)
+    np.testing.assert_array_equal(casters.boxes_of_casters(flat), [[0, 0, 0, 1, 1, 1]])

@@ -5,6 +5,8 @@ import pytest
 
 import alight
 from alight.bsdfs.dielectrics.dielectric import Dielectric
+from alight.media.coefficients import shines
+from alight.media.homogeneous import Homogeneous
 from tests.media.scenes import (
     DENSITIES,
     EXTINCTION,
@@ -97,3 +99,12 @@ def test_a_medium_is_a_light():
     assert in_the_dark(bodies(0.5, emission=GLOW)).warnings == ()
     for dark in (bodies(0.5), bodies(1.0, emission=GLOW), bodies(0.5, (0, 0, 0), emission=GLOW)):
         assert len(in_the_dark(dark).warnings) == 1
+
+
+@pytest.mark.parametrize("channel", range(3))
+def test_a_medium_shines_if_any_channel_absorbs(channel):
+    albedo = [1.0, 1.0, 1.0]
+    assert not shines(Homogeneous(albedo=albedo, emission=GLOW))
+    albedo[channel] = 0.5
+    assert shines(Homogeneous(albedo=albedo, emission=GLOW))
+    assert not shines(Homogeneous(albedo=albedo))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from alight.metrics.few_pixels import FewPixels
 from alight.metrics.own_error import estimate_relmse
 from alight.metrics.relmse import relmse
 from alight.metrics.statistics import f_quantile
@@ -62,3 +63,14 @@ def test_many_alike_pixels_are_as_sure_as_their_number_makes_them():
     means = 1.0 + 0.05 * rng.normal(size=(48, 48, 4, 1)) * np.ones(3)
     figure = estimate_relmse(means.astype(np.float32), np.full(means.shape[:3], 4)).figure
     assert figure.freedom == pytest.approx(48 * 48, rel=0.12)
+
+
+@pytest.mark.parametrize("replicates", [4, 6, 8, 16])
+def test_chance_is_the_deviation_of_a_product_of_two_halves(replicates):
+    """A variance with k degrees of freedom is a chi-squared number over k: 1 + 2/k its square."""
+    size = replicates // 2
+    few = FewPixels(replicates, size)
+    few.add_sums(traces=3.0, squares=1e9, fourth_powers=4.0)
+    deviation = math.sqrt((1.0 + 2.0 / (size - 1)) ** 2 - 1.0)
+    # The estimate of the sum of traces is twice as large as by all replicates.
+    assert few.at_least(5.0, 6.0) == pytest.approx(5.0 + 4.0 * 2.0 * deviation)

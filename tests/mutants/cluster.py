@@ -98,6 +98,12 @@ CLUSTER = (
         "tests/cluster/test_files.py::test_keys_lie_beside_the_file_unless_others_are_given",
     ),
     Mutant(
+        "seconds that are no number let in",
+        "cluster/files.py",
+        (("not 0 < value < math.inf", "value <= 0"),),
+        "tests/cluster/test_files.py::test_a_wrong_file_is_refused_before_anything_starts",
+    ),
+    Mutant(
         "answers of another replicate let in",
         "lab/replicates/spread.py",
         (('if content["task"] != task.digest:', "if False:"),),

@@ -232,4 +232,7 @@ EQUIVALENT: dict[str, str] = {
     "films/sample_ranges.py SampleRanges.union: _union(self, other) -> _union(other, self)": (
         "ranges are put in order whichever come first"
     ),
+    "rendering/tiles/tile_kernel.py next_samples: 3 * LANES -> (LANES) (2)": (
+        "lanes without a sample have another replicate's number, and nobody sees what they do"
+    ),
 }

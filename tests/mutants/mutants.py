@@ -29,9 +29,11 @@ from tests.mutants.materials import COATED, MATERIALS, TEXTURES
 from tests.mutants.mattes import MATTES
 from tests.mutants.media import MEDIA
 from tests.mutants.objects import OBJECTS
+from tests.mutants.one_of_two import ONE_OF_TWO
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
+from tests.mutants.rendering_space import RENDERING_SPACE
 from tests.mutants.scattering import SCATTERING
 from tests.mutants.shadows import SHADOWS
 from tests.mutants.shown_again import SHOWN_AGAIN
@@ -77,6 +79,7 @@ MUTANTS = (
     + COMPILER
     + LAWS
     + WAVES
+    + RENDERING_SPACE
     + MANIFOLDS
     + WALKS
     + GUIDING
@@ -92,4 +95,5 @@ MUTANTS = (
     + FOREIGN
     + LAID_DOWN
     + BEYOND_EXAMPLES
+    + ONE_OF_TWO
 )

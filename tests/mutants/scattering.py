@@ -107,6 +107,23 @@ SCATTERING = (
         f"{MEASURED}::test_points_of_the_square_come_back",
     ),
     Mutant(
+        "the loss of a reduced spectrum after one reflection, where it says two",
+        "core/spectra.py",
+        (("color = _seen(spectrum**times,", "color = _seen(spectrum,"),),
+        "tests/core/test_spectra.py::test_a_grey_is_off_by_the_reduction_of_white_alone",
+    ),
+    Mutant(
+        "the loss of a reduced spectrum without what sRGB cannot show",
+        "core/spectra.py",
+        (
+            (
+                "np.clip(_seen(spectrum, shines=shines), 0.0,",
+                "np.clip(_seen(spectrum, shines=shines), -9.0,",
+            ),
+        ),
+        "tests/core/test_spectra.py::test_what_srgb_cannot_show_is_what_a_line_is_off_by",
+    ),
+    Mutant(
         "reflected spectra seen in no daylight",
         "core/spectra.py",
         (

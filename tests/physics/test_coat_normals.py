@@ -7,11 +7,15 @@ from alight.bsdfs.adapters.blend import Blend
 from alight.bsdfs.adapters.normal_map import NormalMap
 from alight.bsdfs.adapters.two_sided import TwoSided
 from alight.bsdfs.disney.principled import Principled
+from alight.bsdfs.normals.coat_normals import OwnCoat, left_below
+from alight.core.vec import Vec3
 from alight.laws.check import CHECKS
 from alight.laws.materials import Material, random_numbers
 from alight.laws.report import Report
 from alight.laws.statistics import unit_vectors
+from alight.shapes.hit import Bend
 from alight.textures.bitmap import Bitmap
+from lanewise.jit import instantiate
 
 BENT = (0.75, 0.4, 0.85)
 FLAT = (0.5, 0.5, 1.0)
@@ -182,3 +186,19 @@ def test_the_laws_of_bsdfs_hold(bsdf):
     """A sample of one frame's lobe may lie where only the other frame's lobes send light."""
     report = Report(bsdf.type_name(), tuple(CHECKS["bsdfs"]([bsdf], False)))
     assert report, str(report)
+
+
+def test_below_a_coat_reflected_light_fades_and_passing_light_does_not():
+    n = np.array([0.48, -0.36, 0.8], np.float32)
+    one = np.ones(400, np.float32)
+    bent = Vec3(*(c * one for c in n))
+    own = OwnCoat(one > 0.0, bent, Bend(bent, bent, bent, one > 0.0), one)
+    wo, wi = upper(400, 1), unit_vectors(400, 2)
+    left = instantiate(left_below, compiled=False)(own, Vec3(*wo), Vec3(*wi))
+    agrees = (n @ wo > 0.0) & ((n @ wi > 0.0) == (wi[2] > 0.0))
+    passing = agrees & (wi[2] < 0.0)
+    assert passing.sum() > 50
+    np.testing.assert_array_equal(left[~agrees], 0.0)
+    np.testing.assert_array_equal(left[passing], 1.0)
+    mirrored = agrees & (wi[2] > 0.0)
+    assert (left[mirrored] < 1.0).any() and (left[mirrored] > 0.0).all()

@@ -18,6 +18,7 @@ from alight.bsdfs.measured.warp import (
     warp_tables,
 )
 from alight.core.errors import SceneError
+from alight.core.spectra import reflectance_weights
 from alight.formats import dumps, loads
 from alight.laws.materials import Material, direction
 from alight.laws.statistics import unit_vectors
@@ -204,3 +205,30 @@ def test_broken_files_are_refused(tmp_path):
             read_measurement(path)
     with pytest.raises(SceneError, match="no such file"):
         read_measurement(tmp_path / "b.bsdf")
+
+
+@pytest.mark.parametrize("turns", [2, 4])
+def test_what_was_measured_in_a_part_of_a_turn_is_repeated(turns, tmp_path):
+    """Half a turn of azimuths comes again turned by half a turn, a quarter mirrored besides."""
+    phis = np.linspace(-np.pi, (2.0 / turns - 1.0) * np.pi, 7)
+    fields = metal(0.4, ETA, K, THETAS[::4], phis=phis, facets=(13, 13), colors=7, alpha_y=0.6)
+    uneven = np.random.default_rng(3).uniform(0.2, 1.0, fields["rgb"].shape)
+    fields["rgb"] = np.float32(fields["rgb"] * uneven)
+    material = Material(read(fields, tmp_path))
+    wo, wi = np.abs(unit_vectors(400, 4)), np.abs(unit_vectors(400, 5)) * [[1.0], [-1.0], [1.0]]
+    value, density = material.evaluate(*(w.astype(np.float32) for w in (wo, wi)))
+    for x, y in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+        there = (np.float32(w * [[x], [y], [1.0]]) for w in (wo, wi))
+        again, dense = material.evaluate(*there)
+        if turns == 4 or x == y:
+            np.testing.assert_allclose(again, value, rtol=1e-3, atol=1e-4)
+            np.testing.assert_allclose(dense, density, rtol=1e-3, atol=1e-4)
+        else:
+            assert difference(again, value) > 0.05
+
+
+def test_beyond_the_measured_wavelengths_a_reflectance_is_that_of_the_last_one():
+    own, wide = np.array([480.0, 550.0, 620.0]), np.array([300.0, 480.0, 550.0, 620.0, 900.0])
+    values = np.array([0.2, 0.7, 0.4])
+    wanted = reflectance_weights(wide) @ values[[0, 0, 1, 2, 2]]
+    np.testing.assert_allclose(reflectance_weights(own) @ values, wanted, rtol=1e-9)

@@ -12,12 +12,16 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
+from alight.compiled.scene import compile_scene
 from alight.core.registry import modules
+from alight.formats import loads
+from alight.integrators import shadow_catcher, walk
 from alight.integrators.both_ends.light_subpath import OTHER_HALF
 from alight.integrators.both_ends.splats import LENS_POINT, PIXEL
 from alight.integrators.guided import GUIDE
 from alight.integrators.interiors.volume_walk import CHANNEL, FREE_FLIGHT
 from alight.integrators.moments import TIME
+from alight.integrators.shadow_catcher import ShadowFilm, _write_catch
 from alight.integrators.walk import (
     BSDF_CHOICE,
     BSDF_DIRECTION,
@@ -28,10 +32,15 @@ from alight.integrators.walk import (
     LIGHT_POINT,
     ROULETTE,
     VERTEX_DIMENSIONS,
+    make_settings,
+    vertex_dimension,
 )
+from alight.lights.ground import SHADOW
 from alight.media import tables
 from alight.samplers import independent
-from tests.rendering.many_paths import compiled, followed
+from alight.scene import flatten
+from lanewise.jit import instantiate, kernel, specialised
+from tests.rendering.many_paths import begin, compiled, followed
 
 SPP = 2
 SURFACES = """
@@ -94,7 +103,7 @@ class Recorder:
     """Which sample asked for which number, and from which line."""
 
     def __init__(self):
-        self.active, self.sites = np.zeros(0, bool), {}
+        self.active, self.sites, self.edges = np.zeros(0, bool), {}, 0
         self.uses, self.steps = [], []
 
     def asked(self, dimension, width, site, asking):
@@ -149,6 +158,7 @@ def record(text, integrator):
         recorder.active = np.ones(scene.size[0] * scene.size[1] * SPP, bool)
         for path in followed(scene, SPP):
             recorder.active = np.broadcast_to(path.active, recorder.active.shape)
+            recorder.edges += 1
     return recorder
 
 
@@ -164,6 +174,8 @@ def check(recorder):
     assert not shared, shared
     again = set(dimension[(count > 1) & (dimension >= CAMERA_DIMENSIONS)])
     assert not again, {d: purposes[d] for d in again}
+    # Sequences are good in their first dimensions: none is left out.
+    assert max(purposes) < CAMERA_DIMENSIONS + VERTEX_DIMENSIONS * (recorder.edges + 1)
     if recorder.steps:
         _, steps = np.unique(np.concatenate(recorder.steps, axis=1), axis=1, return_counts=True)
         assert steps.max(initial=0) <= 1, f"{(steps > 1).sum()} numbers of steps are used twice"
@@ -205,3 +217,29 @@ def test_numbers_of_a_vertex_have_places_of_their_own(own):
     taken = [place + k for place, n in (*widths.items(), *own.items()) for k in range(n)]
     assert len(set(taken)) == len(taken) == sum(widths.values()) + sum(own.values())
     assert max(taken) < VERTEX_DIMENSIONS
+
+
+def test_numbers_of_shadows_on_the_ground_have_one_purpose_each():
+    text = SURFACES.replace("  floor: {shape: plane", "  floor: {shape: rectangle")
+    text = text.replace(
+        "transform: {keyframes: [{time: 0}, {time: 1, translate: [0.3, 0, 0]}]}}", "}"
+    )
+    text = text[: text.index("  lamp:")] + text[text.index("  bulb:") : text.index("  window:")]
+    flat = flatten(loads(text))
+    scene = compile_scene(flat, structure="list", aovs=(SHADOW,))
+    settings = make_settings(scene.integrator, seed=0, replicates=1)
+    y, x = (a.ravel().astype(np.uint32) for a in np.mgrid[:6, :6])
+    with recorded() as recorder, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shadow_catcher, "add_layer", kernel(lambda *_: None))
+        patch.setattr(walk, "mask_bits", lambda mask: 0)
+        first, catch = (
+            np.errstate(all="ignore")(instantiate(root, scene.program, compiled=False))
+            for root in (begin, specialised(_write_catch))
+        )
+        recorder.active = np.ones(x.size, bool)
+        path = first(scene.tables, settings, x, y, 0 * x, 0 * x)
+        catch(scene.tables, ShadowFilm((), (), (), scene.ground), path, x == x)
+    vertex = vertex_dimension(1)
+    wanted = {vertex + k for k in (LIGHT_CHOICE, *range(LIGHT_POINT, LIGHT_POINT + 2))}
+    wanted |= {vertex + BSDF_DIRECTION, vertex + BSDF_DIRECTION + 1}
+    assert wanted == {d for d in check(recorder) if d >= CAMERA_DIMENSIONS}

@@ -1,9 +1,11 @@
 """Bodies that will not look as they should are told, and what displaces nothing is refused."""
 
+import numpy as np
 import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.compiled.suspicious_bodies import box_of
 from alight.scene.flatten import flatten
 
 CUBE = {
@@ -82,3 +84,11 @@ def test_what_displaces_nothing_is_refused(key):
     with pytest.raises(alight.SceneError, match=f"displacement_{key} does nothing"):
         loaded({**CUBE, f"displacement_{key}": 0.5}, node={"bsdf": {"type": "diffuse"}})
     loaded({**CUBE, "displacement": 0.1, f"displacement_{key}": 0.5})
+
+
+@pytest.mark.parametrize("shape", [CUBE, "cube", "sphere"], ids=["mesh", "cube", "ball"])
+def test_the_box_around_a_shape_is_where_it_was_put(shape):
+    node = {"transform": [{"scale": [1, 2, 3]}, {"translate": [5, -7, 9]}]}
+    flat = flatten(loaded(shape, node=node))
+    low, high = box_of(flat, flat.shapes[0])
+    np.testing.assert_allclose([low, high], [[4, -9, 6], [6, -5, 12]], atol=1e-4)

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 import numpy as np
 
 from alight.core.errors import quote
-from alight.core.spectra import to_linear_srgb
+from alight.core.spectra import reduction_error, to_linear_srgb
 from alight.formats.reading.packed import content_of
 from alight.formats.reading.reach import OutOfReachError, Reach
 
@@ -25,6 +25,8 @@ Role = Literal["reflectance", "index", "light"]
 Item = TypeVar("Item")
 
 LARGEST = 1e15
+#: The least error of a reduction that is told.
+TOLD = 0.02
 MOST_BYTES = 2**20
 
 
@@ -72,6 +74,18 @@ class ColorReader(ABC, Generic[Item]):
     @abstractmethod
     def _read(self, item: Item, role: Role) -> Color | None:
         """Find the colour; None after a problem that has been reported."""
+
+    def _tell_error(self, item: Item, pairs: Pairs, role: Role) -> None:
+        """Say how far light is off where three numbers stand for a spectrum."""
+        if role == "index":
+            return
+        seen, again = reduction_error(*pairs, shines=role == "light")
+        if max(seen, again) < TOLD:
+            return
+        after = "" if role == "light" else f", after two reflections by {100.0 * again:.0f} %,"
+        off = f"it is seen off by {100.0 * seen:.0f} %{after} of its largest channel"
+        text = f"is reduced to linear sRGB: {off}"
+        self.report.warn(item, text)
 
     def _pairs_of_file(self, name: str) -> Pairs:
         """Read a file of lines "wavelength value", ``#`` before remarks, once."""

@@ -9,7 +9,7 @@ import numpy as np
 from alight.core.errors import quote
 from alight.core.spectra import blackbody, to_linear_srgb
 from alight.core.srgb import decode_srgb
-from alight.formats.materials.colors import Color, ColorReader, Role, checked, reduced
+from alight.formats.materials.colors import Color, ColorReader, Pairs, Role, checked, reduced
 from alight.formats.mitsuba.properties import Properties
 from alight.formats.reading.numbers import NotNumbersError, parse_number, parse_numbers
 from alight.formats.reading.xml import Element
@@ -47,12 +47,17 @@ class Colors(ColorReader[Element]):
         if element.type:
             return self._plugin(element, role)
         if "filename" in element:
-            return reduced(self._pairs_of_file(element.attributes["filename"]), role)
+            pairs = self._pairs_of_file(element.attributes["filename"])
+            return self._reduced(element, pairs, role)
         text = _value(element)
         if ":" not in text:
             return _uniform(parse_numbers(text, 1)[0], role)
         words = re.sub(r"\s*:\s*", ":", text).replace(",", " ").split()
-        return reduced(_pairs([word.split(":") for word in words]), role)
+        return self._reduced(element, _pairs([word.split(":") for word in words]), role)
+
+    def _reduced(self, element: Element, pairs: Pairs, role: Role) -> Color:
+        self._tell_error(element, pairs, role)
+        return reduced(pairs, role)
 
     def _plugin(self, element: Element, role: Role) -> Color | None:
         """Read ``<spectrum type="...">``."""
@@ -78,7 +83,7 @@ class Colors(ColorReader[Element]):
             p.ignore("all wavelengths that are seen count", "wavelength_min", "wavelength_max")
             return _hot(p.number("temperature", 5000.0), p.number("scale", 1.0) or 0.0)
         if kind in ("regular", "irregular"):
-            return reduced(_sampled(kind, p), role)
+            return self._reduced(element, _sampled(kind, p), role)
         self.report.unknown(element, "spectrum", element.type, _PLUGINS, "0.5 is taken")
         p.named.clear()
         p.objects.clear()

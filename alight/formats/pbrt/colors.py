@@ -132,7 +132,7 @@ class Colors(ColorReader[Parameter]):
 
     def _spectrum(self, parameter: Parameter, role: Role) -> Color:
         if not parameter.is_text:
-            return self._reduced(pairs_of(np.asarray(parameter.values)), role)
+            return self._reduced(parameter, pairs_of(np.asarray(parameter.values)), role)
         if len(parameter.values) != 1:
             raise NoColorError(f"must name one spectrum, got {len(parameter.values)}")
         name = parameter.values[0]
@@ -146,9 +146,11 @@ class Colors(ColorReader[Parameter]):
         if name in INDICES or name in _LAMPS or "." not in name:
             known = _LAMPS if role == "light" else INDICES
             raise NoColorError(unknown_name("spectrum", name, known, listed_as="spectra"))
-        return self._reduced(self._pairs_of_file(name), role)
+        return self._reduced(parameter, self._pairs_of_file(name), role)
 
-    def _reduced(self, pairs: Pairs, role: Role) -> Color:
+    def _reduced(self, parameter: Parameter, pairs: Pairs, role: Role) -> Color:
+        if not self.old:  # pbrt 3 reduces spectra as well.
+            self._tell_error(parameter, pairs, role)
         if role == "light" and not self.old:
             return _of_luminance_one(pairs)
         return reduced(pairs, role)

@@ -54,7 +54,8 @@ class ScatteringVertex:
     @property
     def position(self) -> tuple[float, float, float]:
         """In the world, metres."""
-        return self.surface.p
+        x, y, z = (float(c) + o for c, o in zip(self.surface.p, self.compiled.origin, strict=True))
+        return x, y, z
 
     @property
     def frame(self) -> np.ndarray:

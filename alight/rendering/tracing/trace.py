@@ -67,7 +67,7 @@ def trace(
         seed=options.seed,
         replicate=options.sample % flat.film.replicates,
         weight=path_of(steps[0]).beta[0],
-        vertices=tuple(_vertex(event, names) for event in steps),
+        vertices=tuple(_vertex(event, names, found.compiled.origin) for event in steps),
         radiance=path_of(finished).L,
         value=tuple(value.tolist()),
         valid=not found.film.invalid,
@@ -75,7 +75,7 @@ def trace(
     )
 
 
-def _vertex(event: Event, names: SurfaceNames) -> Vertex:
+def _vertex(event: Event, names: SurfaceNames, origin: np.ndarray) -> Vertex:
     before, after = path_of(event), event.result
     hit = _first(event, "intersect_closest")
     t = math.inf if hit is None else hit.result.t
@@ -89,13 +89,13 @@ def _vertex(event: Event, names: SurfaceNames) -> Vertex:
     gathered = np.array(after.L, np.float64) - np.array(before.L, np.float64)
     return Vertex(
         depth=after.depth,
-        origin=before.o,
+        origin=_in_world(before.o, origin),
         direction=before.d,
         beta=before.beta,
         pdf=before.pdf,
         delta=before.delta,
         t=t,
-        position=position,
+        position=None if position is None else _in_world(position, origin),
         normal=None if here is None else here.ns,
         shape=None if here is None else names.shapes[here.shape],
         bsdf=None if here is None else names.bsdfs[here.bsdf],
@@ -105,6 +105,12 @@ def _vertex(event: Event, names: SurfaceNames) -> Vertex:
         scattering=_scattering(event) if position is not None else None,
         contribution=tuple(gathered.tolist()),
     )
+
+
+def _in_world(p: tuple[float, float, float], origin: np.ndarray) -> tuple[float, float, float]:
+    """A point of rendering space, whose origin is there, in the world."""
+    x, y, z = (float(c) + o for c, o in zip(p, origin.tolist(), strict=True))
+    return x, y, z
 
 
 def _collision(event: Event) -> float | None:

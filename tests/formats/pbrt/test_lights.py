@@ -148,6 +148,21 @@ def test_film_filter_sampler_integrator():
     assert (scene.film.size, scene.film.filter.type_name()) == ((640, 480), "box")
 
 
+def test_what_three_numbers_lose_of_a_spectrum_is_told():
+    def told(body, of=read):
+        return [warning for warning in of(body).warnings if "reduced to linear sRGB" in warning]
+
+    red = '"diffuse" "spectrum reflectance" [400 .02 580 .04 620 .85 700 .9]'
+    body = f'Material {red}\nShape "sphere"'
+    [found] = told(body)
+    assert "it is seen off by 0 %, after two reflections by 5 %, of its largest channel" in found
+    # pbrt 3 reduces spectra, too; a grey loses nothing.
+    assert not told(body, read_old)
+    assert not told('Material "diffuse" "spectrum reflectance" [300 .5 900 .5]\nShape "sphere"')
+    [found] = told('LightSource "point" "spectrum I" [520 0 530 1 540 0]\nShape "sphere"')
+    assert "it is seen off by 55 % of its largest channel" in found
+
+
 def test_colour_spaces_and_spectra(tmp_path):
     body = 'ColorSpace "rec2020" Material "diffuse" "rgb reflectance" [.5 .5 .5] Shape "sphere"'
     [bsdf] = read(body).bsdfs.values()

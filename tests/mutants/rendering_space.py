@@ -1,0 +1,57 @@
+"""Bugs of scenes that lie far from the origin, and of what is told about them."""
+
+from tests.mutants.mutant import Mutant
+
+SPACE = "tests/scene/test_rendering_space.py"
+CONTACTS = "tests/scene/test_suspicious_contacts.py"
+
+RENDERING_SPACE = (
+    Mutant(
+        "another camera that stays in the world",
+        "compiled/recompile.py",
+        (("near = shifted(placed, origin)", "near = placed"),),
+        f"{SPACE}::test_another_camera_sees_the_same_place",
+    ),
+    Mutant(
+        "motion that is shifted before it turns",
+        "compiled/rendering_space.py",
+        (("if motion is None or _only_shifts(motion, origin):", "if True:"),),
+        f"{SPACE}::test_what_moves_is_shifted_after_its_motion[turns there]",
+    ),
+    Mutant(
+        "keyframes shifted the other way",
+        "compiled/rendering_space.py",
+        (("f.shift + back[:3, 3]", "f.shift - back[:3, 3]"),),
+        f"{SPACE}::test_what_moves_is_shifted_after_its_motion[is there and turns]",
+    ),
+    Mutant(
+        "traces in rendering space",
+        "rendering/tracing/trace.py",
+        (("(float(c) + o for c, o in", "(float(c) + 0.0 * o for c, o in"),),
+        f"{SPACE}::test_traces_are_told_in_the_world",
+    ),
+    Mutant(
+        "media that stay where they are",
+        "compiled/rendering_space.py",
+        (("medium.moved(-origin)", "medium.moved(0.0 * origin)"),),
+        f"{SPACE}::test_pictures_are_those_at_the_origin[cloud-volpath]",
+    ),
+    Mutant(
+        "places of rendering space in the layer of positions",
+        "integrators/aov.py",
+        (("surface.p + origin_in_world(scene.camera)", "surface.p"),),
+        f"{SPACE}::test_pictures_are_those_at_the_origin[motion-path]",
+    ),
+    Mutant(
+        "suspicions of the compiler told to nobody",
+        "rendering/main_loop.py",
+        (("[*flat.notes, *(text", "[*flat.notes, *(text * 0"),),
+        f"{CONTACTS}::test_renders_say_so",
+    ),
+    Mutant(
+        "faces that touch at an edge taken for faces in one place",
+        "compiled/suspicious_contacts.py",
+        (("np.delete(shared, axis).all()", "np.delete(shared, axis).any()"),),
+        f"{CONTACTS}::test_others_are_not[along an edge]",
+    ),
+)

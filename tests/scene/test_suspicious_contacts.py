@@ -1,0 +1,64 @@
+"""Boundaries of bodies in one place: what is said, and that it is said of them alone."""
+
+import numpy as np
+import pytest
+
+import alight
+from alight.compiled.scene import compile_scene
+from alight.scene.flatten import flatten
+
+FOG = {"type": "homogeneous", "sigma_a": 0.3, "sigma_s": 0}
+CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+SIDES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+         [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]  # fmt: skip
+
+
+def warnings_of(**nodes):
+    scene = alight.load({"camera": {}, "environment": {"type": "constant"}, "nodes": nodes})
+    return [w for w in compile_scene(flatten(scene)).warnings if "in one place" in w]
+
+
+def node(place, shape="cube", **keys):
+    keys = keys or {"bsdf": {"type": "null"}, "interior": FOG}
+    return {"shape": shape, "transform": {"translate": place}, **keys}
+
+
+GLASS = {"bsdf": {"type": "dielectric"}}
+MESH = {"type": "mesh", "vertices": CUBE.tolist(), "faces": SIDES}
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("other", [{}, GLASS, {"shape": MESH}], ids=["fog", "glass", "mesh"])
+def test_faces_in_one_place_are_told(axis, other):
+    away = [0.5, 0.5, 0.5]
+    away[axis] = 2.0
+    (text,) = warnings_of(a=node([0, 0, 0]), b=node(away, **other))
+    assert "a and b have faces in one place" in text or "b and a have" in text
+    assert f"{'xyz'[axis]} = 1:" in text
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        node([2.001, 0, 0]),
+        node([1.5, 0.5, 0.5]),
+        node([2, 2, 0.5]),
+        node([2, 0, 0], bsdf={"type": "diffuse"}),
+        node([2, 0, 0], "sphere"),
+    ],
+    ids=["a gap", "an overlap", "along an edge", "a wall", "a ball"],
+)
+def test_others_are_not(other):
+    assert warnings_of(a=node([0, 0, 0]), b=other) == []
+
+
+def test_a_body_within_another_may_share_its_bottom():
+    assert warnings_of(a=node([0, 0, 0]), b=node([0, 0, 0], MESH, **GLASS))
+
+
+def test_renders_say_so():
+    cubes = {"a": node([0, 0, 0]), "b": node([2, 0, 0])}
+    environment, film = {"type": "constant"}, {"size": [2, 2]}
+    scene = alight.load({"camera": {}, "environment": environment, "film": film, "nodes": cubes})
+    (text,) = alight.render(scene, spp=1).stats["notes"]
+    assert "have faces in one place" in text
