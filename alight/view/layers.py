@@ -74,7 +74,8 @@ class FilmLayers(Layers):
         bars = film.interval()
         found = {
             PICTURE: film.image[y, x], "standard error": film.standard_error[y, x],
-            "low": bars.low[y, x], "high": bars.high[y, x], SAMPLES: film.sample_count[window],
+            "95 % from": bars.low[y, x], "95 % to": bars.high[y, x],
+            SAMPLES: film.sample_count[window],
         }  # fmt: skip
         found |= {name: film.aov(name)[y, x] for name in film.aov_channels}
         return {name: _numbers(value) for name, value in found.items()}

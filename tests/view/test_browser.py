@@ -39,7 +39,8 @@ def test_every_control_of_a_scene(browser):
         page.mouse.click(*middle)
         # Where its values are is opened.
         page.wait_for_selector("#pixel tr >> nth=3")
-        assert "standard error" in page.inner_text("#pixel")
+        told = page.inner_text("#pixel")
+        assert "standard error" in told and "95 % from" in told and "red, green, blue" in told
 
         def moves(act):
             before, picture = view_of(page), pixels_of(page)
@@ -97,6 +98,9 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         page, errors = opened(browser, address)
         page.click("#tabs >> text=Scene")
         page.click("#tree [data-path='bsdfs.white']")
+        boxes = "[...document.querySelectorAll('#fields input')]"
+        cut = f"{boxes}.some((box) => box.scrollWidth > box.clientWidth)"
+        assert not page.evaluate(cut)
         box = page.locator("[aria-label=reflectance] input[type=text]").first
         before, picture = view_of(page), pixels_of(page)
         box.fill("0,2")
@@ -198,6 +202,10 @@ def test_two_browsers_see_the_same_and_a_narrow_window_holds_everything(browser)
         assert pixels_of(one) == pixels_of(other)
         assert other.evaluate("document.documentElement.scrollWidth") <= 400
         assert other.evaluate("document.getElementById('panel').scrollWidth") <= 400
+        # Of films and pictures there is no progress; the button stays where it is.
+        page.evaluate("document.getElementById('progress').hidden = true")
+        button = other.locator("#fold").bounding_box()
+        assert 380 < button["x"] + button["width"] <= 400
         assert not errors + more_errors
 
 

@@ -140,7 +140,7 @@ def test_a_pixel_is_told_with_its_error(session):
     values = found["values"]
     np.testing.assert_allclose(values["picture"], film.image[10, 12], rtol=1e-6)
     np.testing.assert_allclose(values["standard error"], film.standard_error[10, 12], rtol=1e-6)
-    assert values["low"] < values["picture"] < values["high"]
+    assert values["95 % from"] < values["picture"] < values["95 % to"]
     assert values["samples"] == [4.0]
 
 

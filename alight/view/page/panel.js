@@ -167,7 +167,8 @@ function showRender(state) {
 export function showPixel({ x, y, values }) {
   $("no-pixel").hidden = true;
   $("pixel").hidden = false;
-  $("where").textContent = `column ${x}, row ${y}`;
+  const colours = values.picture?.length === 3 ? "; red, green, blue" : "";
+  $("where").textContent = `column ${x}, row ${y}${colours}`;
   $("pixel").tBodies[0].replaceChildren(...Object.entries(values).map(([name, numbers]) => {
     const row = document.createElement("tr"), head = document.createElement("th");
     head.textContent = name;
