@@ -93,8 +93,8 @@ GRAPHS = (
         "view/layers.py",
         (
             (
-                '"low": bars.low[y, x], "high": bars.high[y, x]',
-                '"low": bars.high[y, x], "high": bars.low[y, x]',
+                '"95 % from": bars.low[y, x], "95 % to": bars.high[y, x]',
+                '"95 % from": bars.high[y, x], "95 % to": bars.low[y, x]',
             ),
         ),
         f"{LAYERS}::test_a_pixel_of_a_film_lies_between_the_ends_of_its_interval",
