@@ -51,7 +51,7 @@ def test_channels_stand_in_the_order_of_colours_and_axes(given, wanted):
 def test_a_pixel_of_a_film_lies_between_the_ends_of_its_interval():
     film = alight.render("cornell-box", size=(8, 6), spp=8, progress=None)
     found = FilmLayers(film).values(5, 2)
-    low, value, high = (np.array(found[name]) for name in ("low", PICTURE, "high"))
+    low, value, high = (np.array(found[name]) for name in ("95 % from", PICTURE, "95 % to"))
     np.testing.assert_array_equal(value, film.image[2, 5])
     assert (low <= value).all() and (value <= high).all() and (low < high).any()
 
