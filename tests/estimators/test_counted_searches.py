@@ -18,6 +18,7 @@ def _of_one(random, probability, lane, width):
     waiting, made, number = 1 << lane, np.zeros(WIDTH, np.float32), np.zeros(WIDTH, np.uint32)
     stop, done = np.zeros(WIDTH, np.float32), 0
     while waiting:
+        assert done < len(successes), "a lane waits for ever"
         bits = sum(int(b) << i for i, b in enumerate(successes[done : done + width]))
         waiting, made, number = COUNTED(waiting, width, bits, made, number, stop)
         done += width
