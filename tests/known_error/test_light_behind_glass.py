@@ -227,6 +227,25 @@ def test_a_picture_that_no_such_light_has_met_is_not_promised():
     assert judge_means(means * brightness * 100.0, counts, asked, behind=behind).met
 
 
+def test_noise_and_missing_light_are_held_against_the_error_together():
+    means = np.random.default_rng(5).normal(1.0, 0.2, (24, 32, 4, 3)).astype(np.float32)
+    counts = np.full((24, 32, 4), 64)
+    noise = judge_means(means, counts, Promise(1.0)).achieved
+    # What no sample finds: every point lacks a share, in all channels.
+    share = 1.1 * noise
+    rows = np.column_stack(
+        [np.arange(POINTS), np.zeros(POINTS), np.full((POINTS, 3), share), np.zeros(POINTS)]
+    )
+    missing = share / math.hypot(1.0 + share, 0.1)
+    found = judge_means(means, counts, Promise(1.0), behind=rows)
+    assert found.achieved == pytest.approx(math.hypot(noise, missing), rel=0.01)
+    either = 1.1 * max(noise, missing)
+    assert judge_means(means, counts, Promise(either)).met
+    found = judge_means(means, counts, Promise(either), behind=rows)
+    assert found.unseen <= either
+    assert not found.met
+
+
 def test_the_table_goes_with_the_film(tmp_path):
     film = Film(32, 24)
     film.behind_glass = found_in(room())

@@ -7,6 +7,12 @@ MIRRORS = "tests/known_error/test_light_off_mirrors.py"
 
 BEHIND_GLASS = (
     Mutant(
+        "noise and missing light held against the error one by one",
+        "rendering/schedules/stopping.py",
+        (("math.hypot(achieved, unseen.hidden)", "max(achieved, unseen.hidden)"),),
+        f"{GLASS}::test_noise_and_missing_light_are_held_against_the_error_together",
+    ),
+    Mutant(
         "promises that forget light behind glass",
         "rendering/schedules/stopping.py",
         (("promise.error, largest, by_chance, behind)", "promise.error, largest, by_chance)"),),

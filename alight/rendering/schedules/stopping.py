@@ -101,7 +101,8 @@ class Judgement(NamedTuple):
     Attributes
     ----------
     achieved : float
-        The error that is not exceeded, with the confidence of this look; NaN means unknown.
+        The error that is not exceeded, with the confidence of this look, light behind glass that is
+        expected to be missing among it; NaN means unknown.
     share : float
         Of the pixels within the error, at least, with the confidence of this look; NaN under
         "relrmse".
@@ -205,6 +206,10 @@ def judge_means(
         )
     sure = 1.0 - look_doubt(promise.confidence, estimate.figure.deviation)
     achieved = estimate.relrmse_below(sure)
+    unseen = unseen_error(means, counts, promise.error, largest, by_chance, behind)
+    if unseen.figure <= promise.error:
+        # Noise, and light that is expected to be missing: each may be small enough, and not both.
+        achieved = math.hypot(achieved, unseen.hidden)
     share, doubted = math.nan, False
     if promise.metric == "relrmse":
         within = achieved <= promise.error
@@ -220,7 +225,6 @@ def judge_means(
             means, counts, promise.error * math.sqrt(factor), promise.doubt
         ):
             factor *= 1.1
-    unseen = unseen_error(means, counts, promise.error, largest, by_chance, behind)
     met = within and unseen.figure <= promise.error
     # What is unseen falls with the samples, not with their root.
     factor = 1.0 if met else max(factor, unseen.figure / promise.error, unseen.factor)

@@ -43,6 +43,8 @@ class Unseen(NamedTuple):
     factor : float, default 1
         So many times the samples make light behind glass (`Film.behind_glass`) smaller than the
         error.
+    hidden : float, default 0
+        That light alone, a relRMSE: what is expected to be missing, and no bound.
     """
 
     indicator: float
@@ -50,6 +52,7 @@ class Unseen(NamedTuple):
     doubtful: float
     by_chance: bool = False
     factor: float = 1.0
+    hidden: float = 0.0
 
     @property
     def figure(self) -> float:
@@ -125,13 +128,14 @@ def unseen_error(
     seen = _missing(np.maximum(np.stack(most, axis=1), 0.0), samples, scale)
     hidden = _Hidden(behind, samples, brightness, epsilon)
     expected = hidden.relmse()
-    indicator = math.sqrt(float((seen * weights).sum()) + float(expected.sum()))
+    missing = float(expected.sum())
+    indicator = math.sqrt(float((seen * weights).sum()) + missing)
     factor = hidden.factor(error)
     # Each point stands for the same part of the picture.
     share = float((expected * POINTS > error**2).sum()) / POINTS
     if largest is None:
         doubtful = 1.0 if by_chance else max(float(weights[seen > error**2].sum()), share)
-        return Unseen(indicator, math.nan, doubtful, by_chance, factor)
+        return Unseen(indicator, math.nan, doubtful, by_chance, factor, math.sqrt(missing))
     possible = _missing(np.float64(largest), samples, scale)
     bound = math.sqrt(float((possible * weights).sum()))
     told = possible if by_chance else np.minimum(seen, possible)
@@ -139,7 +143,7 @@ def unseen_error(
     if bound <= error:
         # Whatever the indicator says.
         return Unseen(indicator, bound, doubtful, by_chance)
-    return Unseen(indicator, bound, max(doubtful, share), by_chance, factor)
+    return Unseen(indicator, bound, max(doubtful, share), by_chance, factor, math.sqrt(missing))
 
 
 class _Hidden:
