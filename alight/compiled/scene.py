@@ -224,7 +224,7 @@ def compile_scene(
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),
-            *suspicious_contacts(given),
+            *suspicious_contacts(flat, origin),
             *suspicious_sizes(flat, shapes),
             *_darkness(flat, lights.is_dark and EMISSIVE not in media),
         ),

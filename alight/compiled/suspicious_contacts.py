@@ -12,7 +12,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from alight.bsdfs.model import BSDFS
 from alight.bsdfs.nesting import leaves
@@ -36,8 +36,17 @@ class Face(NamedTuple):
     high: NDArray[np.float64]
 
 
-def suspicious_contacts(flat: FlatScene) -> tuple[str, ...]:
-    """Warn of the first two boundaries of media or glass that share a part of a face."""
+def suspicious_contacts(flat: FlatScene, origin: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[str, ...]:
+    """Warn of the first two boundaries of media or glass that share a part of a face.
+
+    Parameters
+    ----------
+    flat : FlatScene
+        In rendering space.
+    origin : (3,) float, metres
+        Where in the world its origin is.
+    """
+    shift = np.asarray(origin, float)
     bends = [_bends(bsdf) for bsdf in flat.bsdfs]
     bounding = [
         (number, placed)
@@ -53,7 +62,9 @@ def suspicious_contacts(flat: FlatScene) -> tuple[str, ...]:
         )
         for first, second in _in_one_place(across, axis):
             if first.shape != second.shape and _overlap(first, second, axis):
-                return (_told(flat, first, second, f"{name} = {_place(first, axis):.6g}"),)
+                return (
+                    _told(flat, first, second, f"{name} = {_place(first, axis) + shift[axis]:.6g}"),
+                )
     return ()
 
 

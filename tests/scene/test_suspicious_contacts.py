@@ -52,6 +52,24 @@ def test_others_are_not(other):
     assert warnings_of(a=node([0, 0, 0]), b=other) == []
 
 
+def test_far_away_a_gap_is_one_and_places_are_told_in_the_world():
+    def world(gap):
+        a, b = node([0, 0, 0]), node([2.0 + gap, 0, 0])
+        eye = {"camera": {"type": "pinhole"}, "transform": {"translate": [0, 0, 9]}}
+        children = {"a": a, "b": b, "eye": eye}
+        return {
+            "camera": "world/eye",
+            "environment": {"type": "constant"},
+            "nodes": {"world": {"transform": {"translate": [1e6, 0, 0]}, "children": children}},
+        }
+
+    apart, touching = (
+        compile_scene(flatten(alight.load(world(gap)))).warnings for gap in (0.05, 0)
+    )
+    assert apart == ()
+    assert "x = 1e+06" in touching[0]
+
+
 def test_a_body_within_another_may_share_its_bottom():
     assert warnings_of(a=node([0, 0, 0]), b=node([0, 0, 0], MESH, **GLASS))
 
