@@ -25,7 +25,7 @@ MANIFOLDS = (
     Mutant(
         "a count that depends on the lanes it was given",
         "integrators/caustics/manifold_sampling.py",
-        (("& ((1 << BLOCK) - 1)", "& ((1 << width) - 1)"),),
+        (("& ((1 << block) - 1)", "& ((1 << width) - 1)"),),
         "tests/estimators/test_counted_searches.py::"
         "test_a_count_does_not_know_how_many_lanes_it_was_given",
     ),
@@ -85,7 +85,7 @@ MANIFOLDS = (
     Mutant(
         "searches of a packet counted as if one of them was the last",
         "integrators/caustics/manifold_sampling.py",
-        (("(BLOCK + 1.0) / (count + 1.0)", "(BLOCK + 0.0) / (count + 0.0)"),),
+        (("(block + 1.0) / (count + 1.0)", "(block + 0.0) / (count + 0.0)"),),
         f"{COUNTED}[0.3]",
     ),
     Mutant(

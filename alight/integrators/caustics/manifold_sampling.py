@@ -82,7 +82,7 @@ LONG, LONG_POWER = 1 << 16, 1.5
 #: Room for the widest packet.
 ROOM = 16
 
-#: So many searches are made at a time, and count together.
+#: So many searches are made at a time, and count together; fewer where a packet has fewer lanes.
 BLOCK = 4
 
 #: What repeated searches need. search: `Search`; type: `Type`; w: Vec3; most: M; number: u32, how
@@ -132,20 +132,20 @@ def _counted(waiting, width, taken, made, number, stop):
     the first one that is has the mean number (n + 1) / (k + 1): that is what counts. Nothing
     depends on how many lanes a trial was given.
     """
-    owners, first = waiting, 0
+    owners, first, block = waiting, 0, min(BLOCK, 1 * LANES)
     while first < LANES and owners != 0:
         lane, end = trailing_zeros(owners), first + width
         mine = lane_index() == lane
         owners &= owners - 1
         while first < end:
             if (waiting >> lane) & 1 != 0:
-                count = count_bits((taken >> first) & ((1 << BLOCK) - 1))
-                mean = (BLOCK + 1.0) / (count + 1.0) if count != 0 else 1.0 * BLOCK
+                count = count_bits((taken >> first) & ((1 << block) - 1))
+                mean = (block + 1.0) / (count + 1.0) if count != 0 else 1.0 * block
                 made = where(mine, made + mean / _going_on(number), made)
-                number = where(mine, number + BLOCK, number)
+                number = where(mine, number + block, number)
                 if count != 0 or not any_lane(mine & (stop < _going_on(number))):
                     waiting &= ~(1 << lane)
-            first += BLOCK
+            first += block
     return waiting, made, number
 
 
