@@ -33,17 +33,14 @@ _Placed = TypeVar("_Placed", PlacedShape, PlacedLight, PlacedCamera)
 def origin_for(flat: FlatScene, shapes: CompiledShapes) -> NDArray[np.float64]:
     """Where in the world the origin of rendering space is, (3,) metres: `WORLD` where it may be.
 
-    It is rounded to a power of two about as large as the scene with its camera, so that it rarely
-    changes with what is moved in it.
+    It is rounded to a power of two about as large as the scene, so that it rarely changes with what
+    is moved in it, and does not depend on the camera, so that all views share their tables.
     """
-    placed = flat.camera
-    camera = placed.to_world if placed.motion is None else placed.motion.at(0.0) @ placed.to_world
-    reach = max(shapes.radius, float(np.linalg.norm(camera[:3, 3] - shapes.center)))
-    if not shapes.extents or np.linalg.norm(shapes.center) <= FAR * reach:
+    if not shapes.extents or np.linalg.norm(shapes.center) <= FAR * shapes.radius:
         return WORLD
     if any(medium.moved(WORLD) is None for medium in flat.media):
         return WORLD
-    step = 2.0 ** np.ceil(np.log2(reach))
+    step = 2.0 ** np.ceil(np.log2(shapes.radius))
     return step * np.round(shapes.center / step)
 
 

@@ -8,7 +8,6 @@ looked at that lie across an axis, as those of boxes do.
 
 from __future__ import annotations
 
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -20,24 +19,27 @@ from alight.core.spec import Bsdf
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
 from alight.shapes.model import SHAPES
 
+_Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
+
 #: Steps of float32 within which faces are in one place, and within which they are flat: boxes have
 #: room for rounding.
 NEAR, FLAT = 4.0, 64.0
 
-#: Faces in one plane of which all pairs are looked at.
-MOST_FACES = 256
+#: Boundaries that are looked at, planes of one mesh, and faces in one plane of which all pairs are:
+#: looking takes no longer than a few tenths of a second.
+MOST_BOUNDARIES, MOST_PLANES, MOST_FACES = 512, 256, 512
 
 
-class Face(NamedTuple):
-    """A box without thickness: the number of its shape, and two corners, metres."""
+class Faces(NamedTuple):
+    """Boxes without thickness: (n,) numbers of their shapes, and (n, 3) corners, metres."""
 
-    shape: int
+    shape: NDArray[np.int64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
 
 
 def suspicious_contacts(flat: FlatScene, origin: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[str, ...]:
-    """Warn of the first two boundaries of media or glass that share a part of a face.
+    """Warn of two boundaries of media or glass that share a part of a face.
 
     Parameters
     ----------
@@ -46,34 +48,34 @@ def suspicious_contacts(flat: FlatScene, origin: ArrayLike = (0.0, 0.0, 0.0)) ->
     origin : (3,) float, metres
         Where in the world its origin is.
     """
-    shift = np.asarray(origin, float)
     bends = [_bends(bsdf) for bsdf in flat.bsdfs]
     bounding = [
-        (number, placed)
+        number
         for number, placed in enumerate(flat.shapes)
         if placed.motion is None and (placed.border is not None or bends[placed.bsdf])
-    ]
+    ][:MOST_BOUNDARIES]
     if len(bounding) < 2:
         return ()
-    faces = [face for number, placed in bounding for face in _faces(flat, number, placed)]
-    for axis, name in enumerate("xyz"):
-        across = sorted(
-            (face for face in faces if _is_across(face)[axis]), key=lambda face: _place(face, axis)
-        )
-        for first, second in _in_one_place(across, axis):
-            if first.shape != second.shape and _overlap(first, second, axis):
-                return (
-                    _told(flat, first, second, f"{name} = {_place(first, axis) + shift[axis]:.6g}"),
-                )
-    return ()
-
-
-def _told(flat: FlatScene, first: Face, second: Face, where: str) -> str:
-    names = " and ".join(flat.shapes[face.shape].name for face in (first, second))
-    return (
-        f"{names} have faces in one place, {where}: rays meet only one of them, and light is lost "
-        "or gained; leave a gap, or one face as the boundary of both"
+    found = [_faces(flat, flat.shapes[number]) for number in bounding]
+    faces = Faces(
+        np.repeat(bounding, [len(low) for low, _ in found]),
+        *(np.concatenate(side) for side in zip(*found, strict=True)),
     )
+    size = np.maximum(np.abs(faces.low), np.abs(faces.high))
+    is_across = faces.high - faces.low <= _steps(size, FLAT)
+    for axis, name in enumerate("xyz"):
+        across = Faces(*(part[is_across[:, axis]] for part in faces))
+        pair = _first_pair(across, axis)
+        if pair is not None:
+            first, second, place = pair
+            names = " and ".join(flat.shapes[number].name for number in (first, second))
+            where = f"{name} = {place + np.asarray(origin, float)[axis]:.6g}"
+            text = (
+                f"{names} have faces in one place, {where}: rays meet only one of them, and light "
+                "is lost or gained; leave a gap, or one face as the boundary of both"
+            )
+            return (text,)
+    return ()
 
 
 def _bends(bsdf: Bsdf) -> bool:
@@ -87,65 +89,55 @@ def _steps(size: NDArray[np.float64], count: float) -> NDArray[np.float64]:
     return count * np.spacing(np.abs(size).astype(np.float32)).astype(np.float64)
 
 
-def _place(face: Face, axis: int) -> float:
-    """Where it lies across an axis."""
-    return float(face.low[axis] + face.high[axis]) / 2.0
-
-
-def _is_across(face: Face) -> NDArray[np.bool_]:
-    """Across which axes it lies: it has no thickness along them."""
-    size = np.maximum(np.abs(face.low), np.abs(face.high))
-    return face.high - face.low <= _steps(size, FLAT)
-
-
-def _faces(flat: FlatScene, number: int, placed: PlacedShape) -> list[Face]:
-    """The faces of a shape that lie across an axis."""
+def _faces(flat: FlatScene, placed: PlacedShape) -> _Corners:
+    """Lower and upper corners of the parts of a shape; those with a thickness are no faces."""
     if placed.geometry != NO_GEOMETRY:
-        return _faces_of_mesh(flat, number, placed)
+        return _faces_of_mesh(flat, placed)
     found = []
     for part, place in placed.shape.parts() or ((placed.shape, np.eye(4)),):
         model = SHAPES[part.type_name()]
-        if model.pack is None or model.bounds is None or model.is_many:
-            continue
-        low, high = model.bounds(model.pack(part, placed.to_world @ place))
-        face = Face(number, np.asarray(low, float), np.asarray(high, float))
-        found += [face] * bool(_is_across(face).any())
-    return found
+        if model.pack is not None and model.bounds is not None and not model.is_many:
+            found.append(model.bounds(model.pack(part, placed.to_world @ place)))
+    corners = np.array(found, np.float64).reshape(-1, 2, 3)
+    return corners[:, 0], corners[:, 1]
 
 
-def _faces_of_mesh(flat: FlatScene, number: int, placed: PlacedShape) -> list[Face]:
-    """One face around all triangles in a plane."""
-    mesh, found = flat.geometries[placed.geometry], []
+def _faces_of_mesh(flat: FlatScene, placed: PlacedShape) -> _Corners:
+    """The same of a box around all triangles in each plane across an axis."""
+    mesh = flat.geometries[placed.geometry]
     points = mesh.vertices.astype(np.float64) @ placed.to_world[:3, :3].T + placed.to_world[:3, 3]
     corners = points[mesh.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
     flat_along = high - low <= _steps(np.maximum(np.abs(low), np.abs(high)), NEAR)
+    lows, highs = [np.zeros((0, 3))], [np.zeros((0, 3))]
     for axis in range(3):
-        chosen = flat_along[:, axis]
-        planes, of_plane = np.unique(low[chosen, axis].astype(np.float32), return_inverse=True)
-        if len(planes) > MOST_FACES:
+        below, above = low[flat_along[:, axis]], high[flat_along[:, axis]]
+        order = np.argsort(below[:, axis])
+        places = below[order, axis].astype(np.float32)
+        starts = np.flatnonzero(np.diff(places, prepend=np.float32(np.nan)) != 0.0)
+        if 0 < len(starts) <= MOST_PLANES:
+            lows.append(np.minimum.reduceat(below[order], starts))
+            highs.append(np.maximum.reduceat(above[order], starts))
+    return np.concatenate(lows), np.concatenate(highs)
+
+
+def _first_pair(faces: Faces, axis: int) -> tuple[int, int, float] | None:
+    """Two shapes with faces across an axis that share an area, and where."""
+    middle = 0.5 * (faces.low + faces.high)[:, axis]
+    order = np.argsort(middle, kind="stable")
+    shape, low, high = (part[order] for part in faces)
+    places = middle[order]
+    starts = np.flatnonzero(np.diff(places, prepend=-np.inf) > _steps(places, NEAR))
+    for start, end in zip(starts, [*starts[1:], len(places)], strict=True):
+        if end - start < 2:
             continue
-        for plane in range(len(planes)):
-            inside = of_plane == plane
-            below, above = low[chosen][inside], high[chosen][inside]
-            found.append(Face(number, below.min(axis=0), above.max(axis=0)))
-    return found
-
-
-def _in_one_place(faces: list[Face], axis: int) -> list[tuple[Face, Face]]:
-    """Pairs of neighbours along the axis, of the faces as sorted."""
-    found: list[tuple[Face, Face]] = []
-    start = 0
-    places = np.array([_place(face, axis) for face in faces])
-    for end in range(1, len(faces) + 1):
-        if end == len(faces) or places[end] - places[end - 1] > _steps(places[end], NEAR):
-            found += combinations(faces[start : min(end, start + MOST_FACES)], 2)
-            start = end
-    return found
-
-
-def _overlap(a: Face, b: Face, axis: int) -> bool:
-    """Whether two faces in one plane share an area."""
-    low, high = np.maximum(a.low, b.low), np.minimum(a.high, b.high)
-    shared = high - low > _steps(np.maximum(np.abs(low), np.abs(high)), FLAT)
-    return bool(np.delete(shared, axis).all())
+        one = slice(start, min(end, start + MOST_FACES))
+        below = np.maximum(low[one, None], low[None, one])
+        above = np.minimum(high[one, None], high[None, one])
+        shared = above - below > _steps(np.maximum(np.abs(below), np.abs(above)), FLAT)
+        shared = np.delete(shared, axis, axis=2).all(axis=2)
+        pairs = np.argwhere(shared & (shape[one, None] != shape[None, one]))
+        if len(pairs):
+            first, second = start + pairs[0].min(), start + pairs[0].max()
+            return int(shape[first]), int(shape[second]), float(places[first])
+    return None

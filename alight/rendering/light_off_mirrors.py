@@ -290,10 +290,12 @@ def _gather(pilot: Pilot, seen: Seen, arrived: _Arrived) -> np.ndarray:
     surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
     n = len(seen.point)
     p, normal = columns_of(lanes_of(surface.p, n)), columns_of(lanes_of(surface.ns, n))
-    squares = ((p[:, None] - arrived.p[None]) ** 2).sum(axis=2)
-    squares[np.abs(normal @ arrived.n.T) < 0.5] = np.inf
-    near = np.argpartition(squares, NEAREST - 1, axis=1)[:, :NEAREST]
-    reach = np.take_along_axis(squares, near, axis=1)
+    near, reach = np.zeros((n, NEAREST), int), np.zeros((n, NEAREST))
+    for row in range(n):
+        squares = ((arrived.p - p[row]) ** 2).sum(axis=1)
+        squares[np.abs(arrived.n @ normal[row]) < 0.5] = np.inf
+        near[row] = np.argpartition(squares, NEAREST - 1)[:NEAREST]
+        reach[row] = squares[near[row]]
     widest = reach.max(axis=1)
     # The farthest of them has chosen the circle, so it is not counted.
     rows, columns = np.nonzero((reach < widest[:, None]) & np.isfinite(widest)[:, None])

@@ -88,7 +88,10 @@ def _pose(stage: Stage, skeleton: Any, target: Any, placed: Any, places: Any) ->
     moves = np.array(moves).reshape(-1, 4, 4)
     own = target.GetJointOrder()
     if own is not None:
-        moves = _in_order(moves, skeleton.GetJointOrder(), own, np.eye(4))
+        order = skeleton.GetJointOrder()
+        if len(order) != len(moves):
+            return None
+        moves = _in_order(moves, order, own, np.eye(4))
     if target.GetSkinningMethod() == UsdSkel.Tokens.dualQuaternion:
         stage.report.approximate(f"{prim.GetPath()}: joints are blended linearly, not as rotations")
     bound = np.array(target.GetGeomBindTransform(stage.time))
@@ -124,6 +127,11 @@ def _shifts(stage: Stage, skeleton: Any, target: Any, count: int) -> Rows:
     if not weights:
         return shifts
     names = animation.GetBlendShapeOrder(), target.GetBlendShapeOrder()
+    if len(weights) != len(names[0]):
+        name = animation.GetPrim().GetPath()
+        text = f"{len(weights)} weights for {len(names[0])} blend shapes; left out"
+        stage.report.approximate(f"{name}: {text}")
+        return shifts
     weights = _in_order(np.array(weights, np.float64), *names, 0.0).tolist()
     query = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(target.GetPrim()))
     if len(weights) != query.GetNumBlendShapes():
