@@ -14,9 +14,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from alight.compiled.cameras import compile_camera, small_view
 from alight.compiled.kept import Kept
-from alight.compiled.rendering_space import shifted
+from alight.compiled.rendering_space import origin_for, shifted
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.registry import versions
 from alight.scene import FlatScene, Scene, flatten
@@ -71,9 +73,11 @@ class Compiled:
         the kernels are the same then, and so is the place of all that moves.
         """
         flat = replace(self.flat, camera=placed)
+        origin = origin_for(flat, self.compiled.ball)
+        if not np.array_equal(origin, self.compiled.origin):
+            return self.of(self.scene, flat, self.layers, 1, self.kept)
         number = self.parts.index(camera_part(self.flat.camera))
         parts = (*self.parts[:number], camera_part(placed), *self.parts[number + 1 :])
-        origin = self.compiled.origin
         near = shifted(placed, origin)
         camera = compile_camera(near.camera, near.to_world, flat.film.size, origin)
         compiled = replace(

@@ -11,12 +11,11 @@ Source: PBR4 section 5.1.1, "Camera Coordinate Spaces".
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from alight.compiled.shapes import CompiledShapes
 from alight.scene.flatten import FlatScene, PlacedCamera, PlacedLight, PlacedShape
 from alight.scene.motion import Link, Motion
 from alight.scene.transform import Matrix
@@ -30,18 +29,31 @@ WORLD = np.zeros(3)
 _Placed = TypeVar("_Placed", PlacedShape, PlacedLight, PlacedCamera)
 
 
-def origin_for(flat: FlatScene, shapes: CompiledShapes) -> NDArray[np.float64]:
+class Ball(NamedTuple):
+    """A ball around all finite shapes: (3,) float64 and float, metres."""
+
+    center: NDArray[np.float64]
+    radius: float
+
+
+def origin_for(flat: FlatScene, ball: Ball | None) -> NDArray[np.float64]:
     """Where in the world the origin of rendering space is, (3,) metres: `WORLD` where it may be.
 
-    It is rounded to a power of two about as large as the scene, so that it rarely changes with what
-    is moved in it, and does not depend on the camera, so that all views share their tables.
+    It is rounded to a power of two about as large as the scene with its camera, so that it rarely
+    changes with what is moved in it.
     """
-    if not shapes.extents or np.linalg.norm(shapes.center) <= FAR * shapes.radius:
+    placed = flat.camera
+    camera = placed.to_world if placed.motion is None else placed.motion.at(0.0) @ placed.to_world
+    if ball is None:
+        return WORLD
+    # A camera that is far from the shapes, as from a sun, sees what is around it, too.
+    reach = max(ball.radius, float(np.linalg.norm(camera[:3, 3] - ball.center)))
+    if np.linalg.norm(ball.center) <= FAR * reach:
         return WORLD
     if any(medium.moved(WORLD) is None for medium in flat.media):
         return WORLD
-    step = 2.0 ** np.ceil(np.log2(shapes.radius))
-    return step * np.round(shapes.center / step)
+    step = 2.0 ** np.ceil(np.log2(reach))
+    return step * np.round(ball.center / step)
 
 
 def in_rendering_space(flat: FlatScene, origin: NDArray[np.float64]) -> FlatScene:

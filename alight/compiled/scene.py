@@ -23,7 +23,7 @@ from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.photons import with_photons
 from alight.compiled.program import Program
-from alight.compiled.rendering_space import WORLD, in_rendering_space, origin_for
+from alight.compiled.rendering_space import WORLD, Ball, in_rendering_space, origin_for
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.compiled.suspicious_bodies import suspicious_bodies
@@ -89,6 +89,8 @@ class CompiledScene:
         Of scenes whose shadows are caught on it.
     origin : (3,) float64, metres
         Where in the world the origin of the tables' coordinates is.
+    ball : Ball or None
+        In the world, around all finite shapes, if there are any.
     """
 
     tables: SceneTables | SceneWithMedia | MovingScene | MovingWithMedia
@@ -104,6 +106,7 @@ class CompiledScene:
     surfaces: Surfaces | None = None
     ground: Ground | None = None
     origin: NDArray[np.float64] = field(default_factory=lambda: WORLD)
+    ball: Ball | None = None
 
 
 def compile_scene(
@@ -149,7 +152,8 @@ def compile_scene(
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     uv_sets = UV_SETS in textures
     shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
-    origin = origin_for(flat, shapes)
+    ball = Ball(shapes.center, shapes.radius) if shapes.extents else None
+    origin = origin_for(flat, ball)
     if origin.any():
         flat, paths = in_rendering_space(flat, origin), MotionTable()
         shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
@@ -221,6 +225,7 @@ def compile_scene(
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
         ground=ground_of(flat, shapes, program, tables) if SHADOW in aovs else None,
         origin=origin,
+        ball=ball,
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),

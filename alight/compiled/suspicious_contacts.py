@@ -8,6 +8,7 @@ looked at that lie across an axis, as those of boxes do.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -128,7 +129,7 @@ def _first_pair(faces: Faces, axis: int) -> tuple[int, int, float] | None:
     shape, low, high = (part[order] for part in faces)
     places = middle[order]
     starts = np.flatnonzero(np.diff(places, prepend=-np.inf) > _steps(places, NEAR))
-    for start, end in zip(starts, [*starts[1:], len(places)], strict=True):
+    for start, end in pairwise([*starts, len(places)]):
         if end - start < 2:
             continue
         one = slice(start, min(end, start + MOST_FACES))

@@ -58,7 +58,7 @@ TURNS = 8
 
 
 def described(spec: Light) -> Scene:
-    """A scene with this light and balls: the light's own, or two that are far away."""
+    """A scene with this light and a ball: the light's own, or one that is far away."""
     model, turned = LIGHTS[spec.type_name()], rotate("y", 40) @ rotate("x", 25)
     ball = next(s for s in specs_of(Shape).values() if s.closed)()
     place = translate(*PLACE) @ turned
@@ -66,9 +66,7 @@ def described(spec: Light) -> Scene:
     if model.is_on_shape:
         nodes["light"] = Node(light=spec, shape=ball, transform=place)
     else:
-        # On both sides, so that the scene stays where it is (`alight.compiled.rendering_space`).
-        for name, side in (("far", FAR), ("opposite", -FAR)):
-            nodes[name] = Node(shape=ball, transform=translate(0, 0, side))
+        nodes["far"] = Node(shape=ball, transform=translate(0, 0, FAR))
     camera = Node(camera=CAMERAS[0].EXAMPLES[0])
     # A window shows what else is around the scene.
     seen = not model.is_around or model.radiance is not None

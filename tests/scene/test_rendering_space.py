@@ -11,6 +11,7 @@ from alight.compiled.recompile import compiled_of
 from alight.compiled.rendering_space import WORLD, shifted
 from alight.compiled.scene import compile_scene
 from alight.formats import loads
+from alight.scene.description import Node
 from alight.scene.flatten import PlacedShape, flatten
 from alight.scene.keyframes import Parts, Track
 from alight.scene.motion import Link, Motion
@@ -89,12 +90,26 @@ def test_what_does_not_lie_far_away_stays():
         assert compile_scene(flatten(scene(away)), structure="list").origin is WORLD
 
 
-def test_all_views_share_their_tables():
+def test_a_camera_that_is_far_from_all_shapes_keeps_its_place():
+    """The only finite shape may be a sun."""
     flat = flatten(scene(AWAY))
+    assert compile_scene(flat, structure="list").origin.any()
     moved = replace(flat, camera=flat.camera._replace(to_world=np.eye(4)))
-    here, there = (compile_scene(f, structure="list").origin for f in (flat, moved))
-    assert here.any()
-    np.testing.assert_array_equal(here, there)
+    assert compile_scene(moved, structure="list").origin is WORLD
+
+
+def test_a_camera_that_comes_near_changes_the_space():
+    """As a scene that is compiled from there."""
+    there = scene(AWAY)
+    from_afar = there.replaced(camera=Node(camera=there.nodes["world"].children["eye"].camera))
+    made = compiled_of(from_afar, (), 1)
+    near = compiled_of(there, (), 1)
+    assert made.compiled.origin is WORLD
+    seen = made.seen_from(near.flat.camera)
+    np.testing.assert_array_equal(seen.compiled.origin, near.compiled.origin)
+    assert seen.compiled.content_hash == near.compiled.content_hash
+    tables = (s.compiled.tables.shapes.data.shaped for s in (seen, near))
+    np.testing.assert_array_equal(*tables)
 
 
 def test_a_medium_that_knows_its_place_keeps_the_world():

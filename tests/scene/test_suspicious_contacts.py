@@ -45,11 +45,16 @@ def test_faces_in_one_place_are_told(axis, other):
         node([2, 2, 0.5]),
         node([2, 0, 0], bsdf={"type": "diffuse"}),
         node([2, 0, 0], "sphere"),
+        {**node([2, 0, 0]), "transform": [{"rotate": {"axis": [1, 2, 3], "angle": 40}}]},
     ],
-    ids=["a gap", "an overlap", "along an edge", "a wall", "a ball"],
+    ids=["a gap", "an overlap", "along an edge", "a wall", "a ball", "a turned box"],
 )
 def test_others_are_not(other):
     assert warnings_of(a=node([0, 0, 0]), b=other) == []
+
+
+def test_no_faces_at_all():
+    assert warnings_of(a=node([0, 0, 0], "sphere"), b=node([2, 0, 0], "sphere")) == []
 
 
 def test_far_away_a_gap_is_one_and_places_are_told_in_the_world():
