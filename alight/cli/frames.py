@@ -55,6 +55,8 @@ def render_frames(
             stopped = cancel.is_set()
         except KeyboardInterrupt:
             written, stopped = [], True
+    for warning in made.notes:
+        warn(warning)
     if stopped:
         again = "goes on there" if made.goes_on else (
             f"starts at frame {made.numbers.start} again: only EXR files of frames are kept for a "

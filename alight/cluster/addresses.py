@@ -169,7 +169,7 @@ def connected(
     security = None if keys is None else security_of(Path(keys))
     try:
         client = Client(where, security=security, timeout=_CONNECT, set_as_default=False)
-    except (OSError, TimeoutError) as error:
+    except (OSError, UnicodeError) as error:
         raise AlightError(f"no scheduler answers at {where}: {_why(where, error)}") from None
     with client:
         yield client
@@ -183,8 +183,10 @@ def _why(where: str, error: Exception) -> str:
         socket.getaddrinfo(host.strip("[]"), int(port))
     except OSError as unknown:
         return f"{host}: {unknown.strerror}"
+    except UnicodeError:
+        return f"{host} is no name of a host"
     if scheme == "tcp":
-        return f"{error}; one with keys answers at tls://{rest} only"
+        return f"{error}; if it was started with keys, use tls://{rest}"
     return str(error)
 
 

@@ -26,9 +26,9 @@ _Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
 #: room for rounding.
 NEAR, FLAT = 4.0, 64.0
 
-#: Boundaries that are looked at, planes of one mesh, and faces in one plane of which all pairs are:
-#: looking takes no longer than a few tenths of a second.
-MOST_BOUNDARIES, MOST_PLANES, MOST_FACES = 512, 256, 512
+#: Boundaries that are looked at, triangles of one mesh across an axis, and faces in one plane of
+#: which all pairs are: looking takes no longer than a few tenths of a second.
+MOST_BOUNDARIES, MOST_TRIANGLES, MOST_FACES = 512, 4096, 512
 
 
 class Faces(NamedTuple):
@@ -104,22 +104,16 @@ def _faces(flat: FlatScene, placed: PlacedShape) -> _Corners:
 
 
 def _faces_of_mesh(flat: FlatScene, placed: PlacedShape) -> _Corners:
-    """The same of a box around all triangles in each plane across an axis."""
+    """The same of boxes around the triangles in planes across an axis, if these are few."""
     mesh = flat.geometries[placed.geometry]
     points = mesh.vertices.astype(np.float64) @ placed.to_world[:3, :3].T + placed.to_world[:3, 3]
     corners = points[mesh.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    flat_along = high - low <= _steps(np.maximum(np.abs(low), np.abs(high)), NEAR)
-    lows, highs = [np.zeros((0, 3))], [np.zeros((0, 3))]
-    for axis in range(3):
-        below, above = low[flat_along[:, axis]], high[flat_along[:, axis]]
-        order = np.argsort(below[:, axis])
-        places = below[order, axis].astype(np.float32)
-        starts = np.flatnonzero(np.diff(places, prepend=np.float32(np.nan)) != 0.0)
-        if 0 < len(starts) <= MOST_PLANES:
-            lows.append(np.minimum.reduceat(below[order], starts))
-            highs.append(np.maximum.reduceat(above[order], starts))
-    return np.concatenate(lows), np.concatenate(highs)
+    is_flat = high - low <= _steps(np.maximum(np.abs(low), np.abs(high)), NEAR)
+    chosen = is_flat.any(axis=1)
+    if chosen.sum() > MOST_TRIANGLES:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    return low[chosen], high[chosen]
 
 
 def _first_pair(faces: Faces, axis: int) -> tuple[int, int, float] | None:

@@ -17,6 +17,7 @@ from alight.films import fixed_point
 from alight.formats import loads
 from alight.laws.integrators import ROOM
 from alight.rendering.tracing.observation import search_all_triangles
+from alight.rendering.tracing.trace_table import _digits_of_places, _triple
 from alight.scene.description import FilmSettings
 from alight.shapes.hit import Hit
 from lanewise.simd import LANES
@@ -243,3 +244,12 @@ def test_pixels_must_be_whole():
 def test_every_integrator_is_traced():
     """A new integrator joins RENDERS, so that its trace is compared too."""
     assert {name for name, spec in specs("integrators").items() if not spec.splats} <= set(RENDERS)
+
+
+def test_places_of_vertices_far_away_are_told_apart():
+    near = [(0.0, -0.57, 1.0), (0.5, 0.2, -1.0)]
+    far = [tuple(c + 1e6 for c in place) for place in near]
+    assert (_digits_of_places(near), _digits_of_places(far), _digits_of_places([])) == (3, 8, 3)
+    first, second = (_triple(place, 8) for place in far)
+    assert first != second
+    assert [float(c) for c in first.split()] == pytest.approx(far[0], abs=0.5)

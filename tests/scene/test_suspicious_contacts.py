@@ -5,6 +5,8 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.options.animation import AnimationOptions
+from alight.rendering.animation import Animation
 from alight.scene.flatten import flatten
 
 FOG = {"type": "homogeneous", "sigma_a": 0.3, "sigma_s": 0}
@@ -53,6 +55,20 @@ def test_others_are_not(other):
     assert warnings_of(a=node([0, 0, 0]), b=other) == []
 
 
+def test_a_pane_in_a_frame_of_its_height_touches_nothing():
+    """The box around a plane of the frame would hold the pane."""
+    square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    corners = [corner * [r, r, 1] + [0, 0, z] for z in (0, 1) for r in (2, 1) for corner in square]
+    rim = [[i, (i + 1) % 4, 4 + i] for i in range(4)]
+    rim += [[(i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)]
+    faces = rim + [[8 + a, 8 + c, 8 + b] for a, b, c in rim]
+    frame = {"type": "mesh", "vertices": np.array(corners, float).tolist(), "faces": faces}
+    pane = {"shape": "cube", "transform": [{"scale": [0.8, 0.8, 0.5]}, {"translate": [0, 0, 0.5]}]}
+    assert warnings_of(frame={"shape": frame, **GLASS}, pane={**pane, **GLASS}) == []
+    wide = {**pane, "transform": [{"scale": [1.2, 0.8, 0.5]}, {"translate": [0, 0, 0.5]}]}
+    assert len(warnings_of(frame={"shape": frame, **GLASS}, pane={**wide, **GLASS})) == 1
+
+
 def test_no_faces_at_all():
     assert warnings_of(a=node([0, 0, 0], "sphere"), b=node([2, 0, 0], "sphere")) == []
 
@@ -84,4 +100,15 @@ def test_renders_say_so():
     environment, film = {"type": "constant"}, {"size": [2, 2]}
     scene = alight.load({"camera": {}, "environment": environment, "film": film, "nodes": cubes})
     (text,) = alight.render(scene, spp=1).stats["notes"]
+    assert "have faces in one place" in text
+
+
+def test_animations_say_so_once(tmp_path):
+    cubes = {"a": node([0, 0, 0]), "b": node([2, 0, 0])}
+    environment, film = {"type": "constant"}, {"size": [2, 2]}
+    scene = alight.load({"camera": {}, "environment": environment, "film": film, "nodes": cubes})
+    asked = {"output": str(tmp_path / "a####.png"), "frames": "0:2", "turntable": True, "spp": 1}
+    made = Animation(scene, AnimationOptions(**asked))
+    made.render()
+    (text,) = made.notes
     assert "have faces in one place" in text

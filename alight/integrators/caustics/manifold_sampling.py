@@ -185,7 +185,7 @@ def write_add_caustics(listeners, guided=False):
 
     @kernel
     def add_caustics(scene, settings, path, surface, wo, active, left):
-        """One search a lane; then its repetitions, by all lanes for one after the other."""
+        """One search a lane; then its repetitions, by all lanes for up to a few at a time."""
         depth, rays = path.depth + 1, path.rays
         shining = surface.light != 0
         given = (left | (active & shining)) & path.chain.known & turns(path.chain.type)

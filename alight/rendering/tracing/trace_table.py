@@ -39,7 +39,8 @@ def table_of(trace: Trace) -> Iterator[str]:
         f"{trace.weight:.6g}, {trace.rays} rays"
     )
     yield ""
-    rows = [_row(vertex) for vertex in trace.vertices]
+    digits = _digits_of_places([v.position for v in trace.vertices if v.position is not None])
+    rows = [_row(vertex, digits) for vertex in trace.vertices]
     yield from _aligned([_COLUMNS, *rows])
     yield ""
     sums = [math.fsum(v.contribution[i] for v in trace.vertices) for i in range(3)]
@@ -52,11 +53,22 @@ def table_of(trace: Trace) -> Iterator[str]:
     yield from LEGEND
 
 
-def _row(vertex: Vertex) -> tuple[str, ...]:
+def _digits_of_places(places: Sequence[Sequence[float]]) -> int:
+    """So many that vertices are told apart, however far away they are together."""
+    if not places:
+        return 3
+    extent = max(max(side) - min(side) for side in zip(*places, strict=True))
+    largest = max(abs(c) for place in places for c in place)
+    if not 0.0 < extent < largest:
+        return 3
+    return 3 + min(math.floor(math.log10(largest / extent)), 12)
+
+
+def _row(vertex: Vertex, digits: int) -> tuple[str, ...]:
     emission, light = vertex.emission, vertex.light
     return (
         str(vertex.depth),
-        "" if vertex.position is None else _triple(vertex.position, 3),
+        "" if vertex.position is None else _triple(vertex.position, digits),
         vertex.shape or ("(left the scene)" if vertex.position is None else "(in a medium)"),
         vertex.bsdf or "",
         _triple(vertex.beta, 2),
@@ -91,7 +103,7 @@ def _triple(values: Sequence[float], digits: int) -> str:
     if len(set(values)) == 1:
         return _short(values[0])
     if not 1e-4 <= largest < 1e6:
-        return " ".join(_short(value, 2) for value in values)
+        return " ".join(_short(value, max(digits - 1, 2)) for value in values)
     places = max(digits - 1 - math.floor(math.log10(largest)), 0)
     return " ".join(f"{value:.{places}f}" for value in values)
 
