@@ -77,6 +77,11 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
     found = re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[^:/\[\]]+):(\d{1,5})", where)
     if found is None:
         raise OptionError(f'{name}must be {forms}, got "{where}"', "cluster")
+    try:
+        found[2].encode("idna")
+    except UnicodeError:
+        # Dask would ask for its address in the background, and leave a client behind.
+        raise OptionError(f"{name}{found[2]} is no name of a host", "cluster") from None
     if not 0 < int(found[3]) <= _LAST_PORT:
         raise OptionError(
             f"{name}needs a port in [1, {_LAST_PORT}], got {int(found[3])}", "cluster"
@@ -169,7 +174,7 @@ def connected(
     security = None if keys is None else security_of(Path(keys))
     try:
         client = Client(where, security=security, timeout=_CONNECT, set_as_default=False)
-    except (OSError, UnicodeError) as error:
+    except (OSError, TimeoutError) as error:
         raise AlightError(f"no scheduler answers at {where}: {_why(where, error)}") from None
     with client:
         yield client
@@ -183,8 +188,6 @@ def _why(where: str, error: Exception) -> str:
         socket.getaddrinfo(host.strip("[]"), int(port))
     except OSError as unknown:
         return f"{host}: {unknown.strerror}"
-    except UnicodeError:
-        return f"{host} is no name of a host"
     if scheme == "tcp":
         return f"{error}; if it was started with keys, use tls://{rest}"
     return str(error)

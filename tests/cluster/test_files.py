@@ -59,6 +59,7 @@ WRONG = {
         "type: address\naddress: a",
         "farm.yaml: address must be tls://HOST:PORT or tcp://127.0.0.1:",
     ),
+    "no host": ("type: address\naddress: tls://a..b:8786", "a..b is no name of a host"),
     "no port": ("type: address\naddress: tls://a:65536", "needs a port in [1, 65535], got 65536"),
     "no keys": ("type: slurm", "farm.yaml needs keys, or cluster_keys"),
     "keys of nobody": ("type: slurm\nkeys: lost", "there is no certificate.pem"),
