@@ -102,7 +102,7 @@ def test_a_host_that_nobody_knows_is_named(monkeypatch):
 
 def test_a_scheduler_that_speaks_tls_is_asked_for_keys():
     told = addresses._why("tcp://127.0.0.1:1", OSError("reset"))
-    assert told == "reset; one with keys answers at tls://127.0.0.1:1 only"
+    assert told == "reset; if it was started with keys, use tls://127.0.0.1:1"
 
 
 def test_a_file_that_is_not_there_is_refused(farm):
