@@ -33,7 +33,7 @@ BEHIND_GLASS = (
     Mutant(
         "every glass passes for clear",
         "rendering/pilot_rays.py",
-        (("(delta | (self.pdf > SHARP))", "(delta | (self.pdf > 0.0 * SHARP))"),),
+        (("(delta | (self.pdf > SHARP))", "(delta | (self.pdf > 1e-4 * SHARP))"),),
         f"{GLASS}::test_nothing_is_found_where_light_is_not_behind_clear_glass_or_paths_are_led_to_it",
     ),
     Mutant(
