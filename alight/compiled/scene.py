@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import namedtuple
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,20 +146,15 @@ def compile_scene(
     SceneError
         If it does, and there is a light at which no light path can start.
     """
-    kept, paths = kept or Kept(), MotionTable()
+    kept = kept or Kept()
     given, flat = flat, displaced(flat, kept)
-    meshes = flat
+    stats = {"displaced": told(given, flat)} if given is not flat else {}
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
-    uv_sets = UV_SETS in textures
-    shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
-    ball = Ball(shapes.center, shapes.radius) if shapes.extents else None
-    origin = origin_for(flat, ball)
-    if origin.any():
-        flat, paths = in_rendering_space(flat, origin), MotionTable()
-        shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
+    space = _shapes_in_their_space(flat, UV_SETS in textures, kept)
+    flat, shapes, paths, origin = space.flat, space.shapes, space.paths, space.origin
     if ABSORBING in bsdfs:
         materials = with_bodies(materials, flat)
-    accel, plan, stats = kept(
+    accel, plan, of_accel = kept(
         f"{structure} by {builder}",
         partial(build_accelerator, structure=structure, builder=builder, threads=threads),
         shapes.triangles,
@@ -220,12 +215,12 @@ def compile_scene(
         crop=flat.film.crop,
         content_hash=content_hash,
         integrator=flat.integrator,
-        stats=stats | ({"displaced": told(given, meshes)} if given is not meshes else {}),
+        stats=of_accel | stats,
         small_view=small_view(flat.camera, flat.film.size) if flat.integrator.wants_guide else None,
         surfaces=surfaces_of(flat, shapes) if set(MATTES) & set(aovs) else None,
         ground=ground_of(flat, shapes, program, tables) if SHADOW in aovs else None,
         origin=origin,
-        ball=ball,
+        ball=space.ball,
         warnings=(
             *flat.warnings,
             *suspicious_bodies(given),
@@ -234,6 +229,28 @@ def compile_scene(
             *_darkness(flat, lights.is_dark and EMISSIVE not in media),
         ),
     )
+
+
+class _Space(NamedTuple):
+    """A scene in rendering space: its shapes, the ball around them in the world, its motions."""
+
+    flat: FlatScene
+    shapes: CompiledShapes
+    paths: MotionTable
+    origin: NDArray[np.float64]
+    ball: Ball | None
+
+
+def _shapes_in_their_space(flat: FlatScene, uv_sets: bool, kept: Kept) -> _Space:
+    """Compile the shapes where they are, and again around their middle if that is far away."""
+    paths = MotionTable()
+    shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
+    ball = Ball(shapes.center, shapes.radius) if shapes.extents else None
+    origin = origin_for(flat, ball)
+    if origin.any():
+        flat, paths = in_rendering_space(flat, origin), MotionTable()
+        shapes = compile_shapes(flat, paths, uv_sets=uv_sets, kept=kept)
+    return _Space(flat, shapes, paths, origin, ball)
 
 
 def _lights_for(flat: FlatScene, shapes: CompiledShapes, emits: bool, kept: Kept) -> CompiledLights:
