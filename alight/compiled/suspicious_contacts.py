@@ -26,9 +26,9 @@ _Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
 #: room for rounding.
 NEAR, FLAT = 4.0, 64.0
 
-#: Boundaries that are looked at, triangles of one mesh across an axis, and faces in one plane of
-#: which all pairs are: looking takes no longer than a few tenths of a second.
-MOST_BOUNDARIES, MOST_TRIANGLES, MOST_FACES = 512, 4096, 512
+#: Boundaries, triangles of one mesh, those of them across an axis, and faces in one plane that are
+#: looked at: scenes are compiled at every edit, and this must not be felt.
+MOST_BOUNDARIES, LARGEST_MESH, MOST_TRIANGLES, MOST_FACES = 512, 1 << 16, 4096, 512
 
 
 class Faces(NamedTuple):
@@ -106,13 +106,16 @@ def _faces(flat: FlatScene, placed: PlacedShape) -> _Corners:
 def _faces_of_mesh(flat: FlatScene, placed: PlacedShape) -> _Corners:
     """The same of boxes around the triangles in planes across an axis, if these are few."""
     mesh = flat.geometries[placed.geometry]
+    nothing = np.zeros((0, 3)), np.zeros((0, 3))
+    if len(mesh.faces) > LARGEST_MESH:
+        return nothing
     points = mesh.vertices.astype(np.float64) @ placed.to_world[:3, :3].T + placed.to_world[:3, 3]
     corners = points[mesh.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
     is_flat = high - low <= _steps(np.maximum(np.abs(low), np.abs(high)), NEAR)
     chosen = is_flat.any(axis=1)
     if chosen.sum() > MOST_TRIANGLES:
-        return np.zeros((0, 3)), np.zeros((0, 3))
+        return nothing
     return low[chosen], high[chosen]
 
 

@@ -53,17 +53,12 @@ def suspicious_sizes(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...]
 
 def _rounded_meshes(flat: FlatScene) -> list[tuple[int, str]]:
     """Meshes whose own vertices are too far from the origin of the mesh, and what is said."""
-    apart, found = {}, []
+    found = []
     for number, placed in enumerate(flat.shapes):
         if placed.geometry == NO_GEOMETRY:
             continue
-        if placed.geometry not in apart:
-            vertices = flat.geometries[placed.geometry].vertices
-            away = np.abs(vertices).max()
-            size = float(np.ptp(vertices, axis=0).max())
-            share = float(np.spacing(away)) / size if size > 0.0 else 0.0
-            apart[placed.geometry] = share, float(away)
-        share, away = apart[placed.geometry]
+        away, size = flat.geometries[placed.geometry].extent
+        share = float(np.spacing(np.float32(away))) / size if size > 0.0 else 0.0
         if share > COARSE:
             text = (
                 f"{placed.name}: its vertices lie {away:.2g} m from the origin of the mesh, where "

@@ -62,6 +62,12 @@ class Geometry:
         return result.hexdigest()
 
     @cached_property
+    def extent(self) -> tuple[float, float]:
+        """Largest distance of a coordinate from 0, and longest side of the box, metres."""
+        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        return float(max(-low.min(), high.max())), float((high - low).max())
+
+    @cached_property
     def flat(self) -> Geometry:
         """The same without vertex normals."""
         return self if self.normals is None else replace(self, normals=None)
