@@ -70,7 +70,8 @@ class Compiled:
         """The same with another camera, as it would be compiled.
 
         Neither camera may move, and both must be of one type and in one medium, with one shutter:
-        the kernels are the same then, and so is the place of all that moves.
+        the kernels are the same then, and so is the place of all that moves. A camera that changes
+        the rendering space, far from where it was, has all shapes compiled anew.
         """
         flat = replace(self.flat, camera=placed)
         origin = origin_for(flat, self.compiled.ball)
