@@ -1,12 +1,9 @@
 """The portable target: one film for processors of several kinds, in processes of its own."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +14,8 @@ from alight.cli.main import app
 from alight.films import Film
 from lanewise.jit import load_compiler
 from lanewise.machine import fingerprint
+from tests.cluster import recorded_bits
+from tests.cluster.recorded_bits import run
 
 #: Renders on a cluster whose worker has compiled for its own processor, if at all, and goes on.
 PORTABLE = """
@@ -41,27 +40,6 @@ if __name__ == "__main__":
 
 #: Runs programs of Linux on processors that are not there, with instructions of its own making.
 EMULATOR = shutil.which("qemu-x86_64")
-
-#: Renders as this process's target says, with code of the same cache, or one's own.
-EMULATED = """
-import sys
-import alight
-for name in sys.argv[2:]:
-    film = alight.render(name, target="portable", size=(24, 16), spp=4, threads=1)
-    film.save(f"{sys.argv[1]}-{name}.alight")
-import llvmlite.binding as llvm
-print(llvm.get_host_cpu_name())
-"""
-
-
-def run(folder, *words, before=()):
-    environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
-    done = subprocess.run(
-        [*before, sys.executable, *words], cwd=folder, env=environment, capture_output=True,
-        text=True,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.fixture(scope="module")
@@ -136,24 +114,36 @@ def has_avx2(emulator):
     return version is not None and (int(version[1]), int(version[2])) >= (7, 2)
 
 
+@pytest.fixture(scope="module")
+def portable_films(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bits")
+    return folder, recorded_bits.render(folder, "own")[0]
+
+
+@pytest.mark.proofs
+def test_this_processor_gives_the_bits_that_another_recorded(portable_films):
+    """Where it fails after a kernel was changed, `python -m tests.cluster.recorded_bits`."""
+    record = json.loads(recorded_bits.RECORD.read_text("utf-8"))
+    if record["compilers"] != recorded_bits.compilers():
+        pytest.skip("recorded with other versions of the compiler or of NumPy")
+    assert recorded_bits.digests(portable_films[1]) == record["films"]
+
+
 @pytest.mark.proofs
 @pytest.mark.skipif(EMULATOR is None or not has_avx2(EMULATOR), reason="needs qemu-user 7.2")
-def test_emulated_processors_of_two_vendors_give_the_same_bits(tmp_path):
+def test_emulated_processors_of_two_vendors_give_the_same_bits(portable_films):
     """The emulator's estimates of reciprocals have other bits; roundings are those of IEEE 754.
 
     The tables that NumPy makes must not depend on its choice of instructions, either.
     """
-    names = "cornell-box", "rough-metals", "cloud"
-    run(tmp_path, "-c", EMULATED, "own", *names)
+    folder, own = portable_films
     for processor, known in (("Haswell", "haswell"), ("EPYC", "znver1")):
-        before = EMULATOR, "-cpu", processor
-        told = run(tmp_path, "-c", EMULATED, processor, *names, before=before)
-        assert told.split()[-1] == known
-        for name in names:
-            own, found = (Film.load(tmp_path / f"{of}-{name}.alight") for of in ("own", processor))
-            np.testing.assert_array_equal(found.sums, own.sums)
-            assert found.fingerprint == own.fingerprint
-            assert found.options["tables"] == own.options["tables"]
+        films, told = recorded_bits.render(folder, processor, (EMULATOR, "-cpu", processor))
+        assert told == known
+        for name, found in films.items():
+            np.testing.assert_array_equal(found.sums, own[name].sums)
+            assert found.fingerprint == own[name].fingerprint
+            assert found.options["tables"] == own[name].options["tables"]
 
 
 def test_a_process_compiles_for_one_target(monkeypatch, tmp_path):
