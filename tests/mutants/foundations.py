@@ -1,0 +1,124 @@
+"""Bugs in what all pictures stand on: meshes, hits, lanes, and what a lamp or a sun is."""
+
+from tests.mutants.mutant import Mutant
+
+ADAPTER = "tests/lanewise/test_adapter.py::test_instructions_that_do_nothing_are_told"
+ALIKE = (
+    "tests/motion/test_kernels.py"
+    "::test_of_copies_that_move_alike_the_first_is_met_as_if_it_were_alone"
+)
+CHARTS = "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides"
+NORMALS = "tests/meshes/test_vertex_normals.py"
+RECORDS = "tests/lanewise/test_records.py"
+
+FOUNDATIONS = (
+    Mutant(
+        "albedo of a measured material over angles instead of directions",
+        "bsdfs/measured/measured.py",
+        (("2.0 * np.pi**2 * s * sine / s.size", "2.0 * np.pi**2 * s * s / s.size"),),
+        "tests/physics/test_measured.py"
+        "::test_the_albedo_is_what_is_reflected_of_light_from_above[satin]",
+    ),
+    Mutant(
+        "of two suns the brighter one without their colours",
+        "compiled/light_targets.py",
+        (("a * b for a, b in zip(row.color, disk.mean", "b for a, b in zip(row.color, disk.mean"),),
+        "tests/lights/test_targets.py"
+        "::test_of_two_suns_the_brighter_one_is_aimed_at_in_its_colour[color1-0]",
+    ),
+    Mutant(
+        "chains that start on lamps",
+        "integrators/caustics/specular_chain.py",
+        (("(surface.light == 0) & outside)", "outside)"),),
+        "tests/estimators/test_chains_end_at_their_lamp.py"
+        "::test_chains_start_where_light_is_scattered_but_not_on_lamps",
+    ),
+    Mutant(
+        "edges of three faces are smooth",
+        "meshes/polygons.py",
+        (("(users != 2)", "(users < 2)"),),
+        "tests/meshes/test_polygons.py::test_an_edge_of_three_faces_is_sharp",
+    ),
+    Mutant(
+        "normals by the angles beside those of the corners",
+        "meshes/normals.py",
+        (("cosine = -(unit", "cosine = (unit"),),
+        f"{NORMALS}::test_normals_of_a_box_do_not_depend_on_how_its_sides_are_cut[22]",
+    ),
+    Mutant(
+        "normals weighted by area too",
+        "meshes/normals.py",
+        (("across = across / _lengths(across)", "across = across * 1.0"),),
+        f"{NORMALS}::test_normals_of_a_box_do_not_depend_on_how_its_sides_are_cut[22]",
+    ),
+    Mutant(
+        "u of the end of a strand where its last line begins",
+        "shapes/strand_rows.py",
+        (("(parts.first + parts.span)[ends]", "parts.first[ends]"),),
+        CHARTS,
+    ),
+    Mutant(
+        "ties between lists and the tree go to the list",
+        "accel/query.py",
+        (("met & wins(found, best)", "met & (found.t < best.t)"),),
+        "tests/accel/test_scenes.py"
+        "::test_ties_between_a_list_and_the_tree_go_to_the_lowest_shape[30]",
+    ),
+    Mutant(
+        "of meshes that move alike the last one is met",
+        "accel/moving.py",
+        (
+            (
+                "best = take(best, met & wins(hit, best), hit, nearest)\n    return best",
+                "best = take(best, met, hit, nearest)\n    return best",
+            ),
+        ),
+        ALIKE,
+    ),
+    Mutant(
+        "moving meshes behind as many triangles as there are meshes",
+        "accel/accelerator.py",
+        (("sum(len(part) for part in corners)", "len(corners)"),),
+        ALIKE,
+    ),
+    Mutant(
+        "indices of 31 bits",
+        "view_types.py",
+        (("args[0].dtype(args[0], types.int64)", "args[0].dtype(args[0], types.int32)"),),
+        "tests/lanewise/test_bounds.py::test_tables_may_be_longer_than_two_to_the_31",
+        "lanewise",
+    ),
+    Mutant(
+        "a row for each vector of a record",
+        "record_instructions.py",
+        (("return 3 * _count_rows(kind.component)", "return _count_rows(kind.component)"),),
+        f"{RECORDS}::test_a_record_takes_as_many_rows_as_it_has_components",
+        "lanewise",
+    ),
+    Mutant(
+        "types that pickling changes are kept",
+        "kept_functions.py",
+        (("return pickle.loads(pickle.dumps(kind)) == kind", "return bool(pickle.dumps(kind))"),),
+        f"{RECORDS}::test_types_that_pickling_changes_are_not_kept",
+        "lanewise",
+    ),
+    Mutant(
+        "of the elementwise functions the first of each kind are tried",
+        "canary_checks.py",
+        (("for function in functions:", "for function in functions[:1]:"),),
+        ADAPTER,
+        "lanewise",
+    ),
+    Mutant(
+        "what gathers and packings give is not compared",
+        "canary_checks.py",
+        (
+            (
+                "np.testing.assert_allclose(out.array, np.concatenate(expected), rtol=1e-6)",
+                "pass",
+            ),
+        ),
+        ADAPTER,
+        "lanewise",
+    ),
+)
