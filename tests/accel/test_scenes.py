@@ -140,6 +140,14 @@ def test_ties_go_to_the_lowest_shape_then_the_lowest_primitive(structure):
         assert (hits.prim <= 1).all()
 
 
+@pytest.mark.parametrize("number", [0, 0xFFFF, 0x10000, 0x7FFFFFFF, 0xFFFFFFFE])
+def test_a_shape_of_any_number_is_met_up_to_the_end_of_the_ray(number):
+    triangle = triangle_set([[-1, -1, 0], [3, -1, 0], [-1, 3, 0]], [[0, 1, 2]], number)
+    o, d = np.float32([[0.0, 0.0, 2.0]]), np.float32([[0.0, 0.0, -1.0]])
+    hit = World(triangle).trace(o, d, t_max=2.0, compiled=False)
+    assert (hit.t, hit.shape, hit.occluded) == (2.0, number, True)
+
+
 @pytest.mark.parametrize("number", [2, 30])
 def test_ties_between_a_list_and_the_tree_go_to_the_lowest_shape(number):
     """A triangle before the very same wall as a fine mesh."""

@@ -58,6 +58,27 @@ FOUNDATIONS = (
         CHARTS,
     ),
     Mutant(
+        "steps of composed textures without those of the operators",
+        "textures/nesting.py",
+        (("return 1 + sum(count_steps", "return sum(count_steps"),),
+        "tests/textures/test_composed.py"
+        "::test_steps_and_the_depth_of_the_stack_are_those_of_the_list_that_kernels_run",
+    ),
+    Mutant(
+        "signs in what has none",
+        "meshes/ply_header.py",
+        (('"uint16": "u2"', '"uint16": "i2"'),),
+        "tests/meshes/test_spellings.py"
+        "::test_every_type_reaches_to_both_of_its_ends[u2-binary_big_endian]",
+    ),
+    Mutant(
+        "shape number 65535 is none",
+        "accel/lists.py",
+        (("NOTHING = 0xFFFFFFFF", "NOTHING = 0xFFFF"),),
+        "tests/accel/test_scenes.py"
+        "::test_a_shape_of_any_number_is_met_up_to_the_end_of_the_ray[65535]",
+    ),
+    Mutant(
         "ties between lists and the tree go to the list",
         "accel/query.py",
         (("met & wins(found, best)", "met & (found.t < best.t)"),),
