@@ -73,6 +73,25 @@ def test_steps_and_the_depth_of_the_stack_are_those_of_the_list_that_kernels_run
         assert (count_steps(spec), depth_of(spec), held) == (len(steps), deepest, 1)
 
 
+def test_coordinates_are_those_of_the_first_part_that_has_some():
+    """Solid textures, colours and names have none."""
+    solid, turned = Noise(), [{"rotate": 30.0}]
+    flat = Bitmap(pixels=A.pixels, uv_set=2, to_uv=turned)
+    other = Checkerboard(color0=0.0, color1=1.0, uv_set=1)
+    for parts in ((solid, flat), (0.5, flat), ("name", flat), (flat, other), (flat, solid)):
+        spec = Clamp(texture=Add(a=parts[0], b=parts[1]))
+        assert spec.set_of_coordinates() == 2
+        np.testing.assert_array_equal(spec.lookup(), flat.to_uv.matrix)
+    assert Add(a=solid, b=0.5).set_of_coordinates() is None
+    assert Add(a=solid, b=0.5).lookup() is None
+
+
+@pytest.mark.parametrize("step", [{}, 3, {"scale": 2, "rotate": 5}, {"shear": 1}])
+def test_a_step_of_a_lookup_is_one_of_four(step):
+    with pytest.raises(SceneError, match="exactly one of translate, scale|unknown step"):
+        Bitmap(pixels=A.pixels, to_uv=[{"scale": 2}, step])
+
+
 def test_means_and_maxima_are_those_of_the_parts():
     """Lamps and lobes are chosen by them: wrong ones are noise, too small maxima are errors."""
     mean = 0.5 * (np.array(C.color0) + C.color1)
