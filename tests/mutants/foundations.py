@@ -79,6 +79,38 @@ FOUNDATIONS = (
         "::test_a_shape_of_any_number_is_met_up_to_the_end_of_the_ray[65535]",
     ),
     Mutant(
+        "pairs of triangles whose corners share a coordinate",
+        "accel/primitives.py",
+        (
+            (
+                "(corners[:-1, 2] == corners[1:, 1]).all(axis=1)",
+                "(corners[:-1, 2] == corners[1:, 1]).any(axis=1)",
+            ),
+        ),
+        "tests/accel/test_pairs.py::test_what_is_a_pair",
+    ),
+    Mutant(
+        "only the first part of a texture may say where it is looked up",
+        "textures/nesting.py",
+        (
+            (
+                "return next((number for number in found if number is not None), None)",
+                "return next(found, None)",
+            ),
+        ),
+        "tests/textures/test_composed.py"
+        "::test_coordinates_are_those_of_the_first_part_that_has_some",
+    ),
+    Mutant(
+        "of a step with two names the first one counts",
+        "textures/uv.py",
+        (
+            ("len(step) != 1:", "len(step) < 1:"),
+            ("((name, value),) = step.items()", "name, value = next(iter(step.items()))"),
+        ),
+        "tests/textures/test_composed.py::test_a_step_of_a_lookup_is_one_of_four[step2]",
+    ),
+    Mutant(
         "ties between lists and the tree go to the list",
         "accel/query.py",
         (("met & wins(found, best)", "met & (found.t < best.t)"),),
