@@ -42,9 +42,9 @@ def move(table, source, target):
     table[target] = table[source]
 
 
-def test_tables_may_be_longer_than_two_to_the_31(tmp_path):
+def test_tables_may_be_longer_than_two_to_the_32(tmp_path):
     """As the sums of a huge picture are. A file takes up no more than the pages that are used."""
-    far = 2**31 + 5
+    far = 2**32 + 5
     table = np.memmap(tmp_path / "table", np.float32, "w+", shape=far + 1)
     table[far] = 7.0
     instantiate(move)(View(table), far, far - 2)

@@ -111,6 +111,12 @@ FOUNDATIONS = (
         "tests/textures/test_composed.py::test_a_step_of_a_lookup_is_one_of_four[step2]",
     ),
     Mutant(
+        "angles around shapes that the layer of (u, v) goes without",
+        "shapes/hit.py",
+        (('return bends or "uv" in program.aovs or', "return bends or"),),
+        "tests/shapes/test_surfaces.py::test_angles_are_found_where_anything_reads_them[layer]",
+    ),
+    Mutant(
         "ties between lists and the tree go to the list",
         "accel/query.py",
         (("met & wins(found, best)", "met & (found.t < best.t)"),),
@@ -135,10 +141,10 @@ FOUNDATIONS = (
         ALIKE,
     ),
     Mutant(
-        "indices of 31 bits",
+        "indices of 32 bits",
         "view_types.py",
         (("args[0].dtype(args[0], types.int64)", "args[0].dtype(args[0], types.int32)"),),
-        "tests/lanewise/test_bounds.py::test_tables_may_be_longer_than_two_to_the_31",
+        "tests/lanewise/test_bounds.py::test_tables_may_be_longer_than_two_to_the_32",
         "lanewise",
     ),
     Mutant(
