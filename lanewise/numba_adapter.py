@@ -341,7 +341,7 @@ def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
     plain = [str(t) for t in packer.argument_types]
     with global_compiler_lock:
         code = compiled.library.object_code()
-    outside = sorted(set(re.findall(rb"\0(numba_\w+)\0", code)))
+    outside = sorted(set(re.findall(rb"\0(numba_\w+)(?=\0)", code)))
     if outside:
         names = ", ".join(name.decode() for name in outside)
         raise UnsupportedError(f"functions of Numba are not there when a kernel runs: {names}")

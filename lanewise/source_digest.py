@@ -86,6 +86,7 @@ class _Reader:
             self.feed((value.x, value.y, value.z))
         elif isinstance(value, type):
             self.word("class", value.__qualname__, getattr(value, "_fields", ""))
+            self.feed(getattr(value, "_field_defaults", None))
             self.members(value)
         elif isinstance(value, ModuleType):
             self.word("module", value.__name__)  # `globals` reads what is used of it
@@ -112,6 +113,7 @@ class _Reader:
             self.code(function.__code__)
             self.items(dict(sorted(function.__dict__.items())))
             self.feed(function.__defaults__)
+            self.feed(function.__kwdefaults__)
             self.globals(function)
         else:
             self.word("function", function.__module__, function.__qualname__)

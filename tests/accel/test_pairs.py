@@ -69,6 +69,12 @@ def test_what_is_a_pair():
     # Other shapes, other corners, a fold, and a triangle without area stay alone.
     assert not first_of_pairs(corners[:2], np.uint32([[0, 0], [1, 0]])).any()
     assert not first_of_pairs(corners[:2][:, [1, 2, 0]], ids[:2]).any()
+    # Corners that differ in one coordinate, by next to nothing, are others: there is a crack.
+    for corner in (0, 1):
+        for axis in range(3):
+            apart = corners[:2].copy()
+            apart[1, corner, axis] += np.float32(1e-4)
+            assert not first_of_pairs(apart, ids[:2]).any()
     folded = corners[:2].copy()
     folded[1, 2] = folded[0, 1]
     assert not first_of_pairs(folded, ids[:2]).any()

@@ -140,6 +140,36 @@ def test_ties_go_to_the_lowest_shape_then_the_lowest_primitive(structure):
         assert (hits.prim <= 1).all()
 
 
+@pytest.mark.parametrize("number", [0, 0xFFFF, 0x10000, 0x7FFFFFFF, 0xFFFFFFFE])
+def test_a_shape_of_any_number_is_met_up_to_the_end_of_the_ray(number):
+    triangle = triangle_set([[-1, -1, 0], [3, -1, 0], [-1, 3, 0]], [[0, 1, 2]], number)
+    o, d = np.float32([[0.0, 0.0, 2.0]]), np.float32([[0.0, 0.0, -1.0]])
+    hit = World(triangle).trace(o, d, t_max=2.0, compiled=False)
+    assert (hit.t, hit.shape, hit.occluded) == (2.0, number, True)
+
+
+@pytest.mark.parametrize("number", [2, 30])
+def test_ties_between_a_list_and_the_tree_go_to_the_lowest_shape(number):
+    """A triangle before the very same wall as a fine mesh."""
+    at = np.linspace(-1.0, 1.0, 17)
+    points = np.stack([*np.meshgrid(at, at), np.zeros((17, 17))], axis=-1).reshape(-1, 3)
+    corner = (np.arange(16)[:, None] * 17 + np.arange(16)).reshape(-1, 1)
+    faces = np.concatenate([corner + [0, 1, 18], corner + [0, 18, 17]])
+    walls = triangle_set(
+        np.concatenate([[[-3, -1, 0], [3, -1, 0], [0, 5, 0]], points]),
+        np.concatenate([[[0, 1, 2]], faces + 3]),
+        np.repeat([number, 4], [1, len(faces)]),
+    )
+    world = World(walls)
+    assert world.plan == ("list triangles", "tree")
+    rng = np.random.default_rng(5)
+    o = np.concatenate([rng.uniform(-0.9, 0.9, (500, 2)), np.full((500, 1), 2.0)], axis=1)
+    d = np.tile(np.float32([0.0, 0.0, -1.0]), (500, 1))
+    hits = world.trace(o.astype(np.float32), d)
+    assert (hits.t == 2.0).all()
+    assert (hits.shape == min(number, 4)).all()
+
+
 @pytest.mark.parametrize("structure", ["list", "bvh"])
 def test_rays_that_make_no_sense_meet_nothing(structure):
     parts, rows = mixed_scene(5)

@@ -5,13 +5,15 @@ from unittest import mock
 import numpy as np
 import pytest
 
+from alight.accel import intersect_closest
 from alight.bsdfs.flags import REFLECTION
 from alight.core.vec import Vec3
 from alight.integrators import walk
-from alight.integrators.caustics.chain_types import MOST_EVENTS, Type
-from alight.integrators.caustics.specular_chain import Plan, Start, follow
+from alight.integrators.caustics.chain_types import MOST_EVENTS, Type, no_chain
+from alight.integrators.caustics.specular_chain import Plan, Start, extended, follow
 from alight.lights.targets import target_at
 from alight.media.tables import Stream
+from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
 from tests.rendering.many_paths import compiled
 
@@ -79,6 +81,28 @@ def test_lamps_before_each_other_are_told_apart():
         miss = followed.miss
         miss = np.linalg.norm([np.broadcast_to(c, N) for c in (miss.x, miss.y, miss.z)], axis=0)
         np.testing.assert_allclose(miss, aside, atol=1e-4)
+
+
+def test_chains_start_where_light_is_scattered_but_not_on_lamps():
+    """Nor are they looked for from there: what a path finds behind a mirror then counts."""
+    text = MIRROR.replace("bsdf: {type: mirror}", "bsdf: {type: diffuse}") + (
+        "  pane: {shape: rectangle, bsdf: {type: mirror}, transform: {translate: [0, 0, -5]}}\n"
+    )
+    scene = compiled(text)
+    meet, describe, extend, empty = (
+        np.errstate(all="ignore")(instantiate(root, scene.program, compiled=False))
+        for root in (intersect_closest, make_surface, extended, no_chain)
+    )
+    # Straight down: on the first lamp, and beside both.
+    x = np.array([-0.2, 5.0], np.float32)
+    o, d = Vec3(x, 0.0 * x, 0.0 * x + 9.0), Vec3(0.0 * x, 0.0 * x, 0.0 * x - 1.0)
+    there = np.ones(2, bool)
+    surface = describe(scene.tables, meet(scene.tables, o, d, x + np.inf, there), o, d, there)
+    assert (surface.light > 0).tolist() == [True, False]
+    up, scattered = Vec3(d.x, d.y, -d.z), np.full(2, REFLECTION, np.uint32)
+    chain = extend(scene.tables, empty(), surface, surface.p, up, scattered)
+    assert chain.known.tolist() == [False, True]
+    assert np.broadcast_to(chain.type.count, 2).tolist() == [0, 0]
 
 
 def led(text, d, type_, most, rng=None):

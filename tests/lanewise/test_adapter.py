@@ -10,7 +10,14 @@ import numba.core.errors
 import numba.core.ir
 import pytest
 
-from lanewise import canary, dispatchers, numba_adapter, numba_shortcuts, remembered_answers
+from lanewise import (
+    canary,
+    canary_checks,
+    dispatchers,
+    numba_adapter,
+    numba_shortcuts,
+    remembered_answers,
+)
 from tests.static.sources import COMPILER, place, tree
 
 OTHERS = [path for path in sorted(COMPILER.rglob("*.py")) if path not in canary.ADAPTERS]
@@ -117,6 +124,23 @@ def test_a_step_that_does_nothing_is_told(monkeypatch):
     monkeypatch.setattr(numba_adapter.Float32Constants, "run_pass", lambda self, state: False)
     with pytest.raises(AssertionError, match="float64"):
         canary.CHECKS["Float32Constants"]()
+
+
+def test_instructions_that_do_nothing_are_told(monkeypatch):
+    """Each of them is tried, and no comparison is left out."""
+    tried = []
+    with monkeypatch.context() as patched:
+        patched.setattr(canary_checks, "_try_elementwise", lambda *what: tried.append(what))
+        canary.CHECKS["instructions"]()
+    elementwise = canary_checks.ELEMENTWISE.items()
+    assert tried == [(function, count) for count, some in elementwise for function in some]
+    monkeypatch.setattr(canary_checks, "instantiate", lambda text: lambda *arguments: None)
+    for name in ("instructions", "object_code"):
+        with pytest.raises(AssertionError):
+            canary.CHECKS[name]()
+    for function, count in tried:
+        with pytest.raises(AssertionError, match=function.__name__):
+            canary_checks._try_elementwise(function, count)
 
 
 def test_numba_is_told_of_locks_again_when_a_kernel_fails():

@@ -1,10 +1,11 @@
-"""What machine code would read out of bounds is an error in the twin."""
+"""What machine code would read out of bounds is an error in the twin; how far bounds may be."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from lanewise.jit import instantiate, kernel
 from lanewise.simd import gather, gather_row
 from lanewise.view import View
 
@@ -34,3 +35,17 @@ def test_single_numbers_are_not_counted_from_the_end():
     with pytest.raises(IndexError):
         TABLE[5]
     assert TABLE[4] == 4.0
+
+
+@kernel
+def move(table, source, target):
+    table[target] = table[source]
+
+
+def test_tables_may_be_longer_than_two_to_the_32(tmp_path):
+    """As the sums of a huge picture are. A file takes up no more than the pages that are used."""
+    far = 2**32 + 5
+    table = np.memmap(tmp_path / "table", np.float32, "w+", shape=far + 1)
+    table[far] = 7.0
+    instantiate(move)(View(table), far, far - 2)
+    assert table[far - 2] == 7.0

@@ -8,9 +8,11 @@ from collections import namedtuple
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
+from numba.core.errors import UnsupportedError
 
+from lanewise import numba_adapter
 from lanewise.application import variable
-from lanewise.jit import instantiate, kernel
+from lanewise.jit import dispatcher_of, instantiate, kernel
 from lanewise.machine_code import C_TYPES, MachineCode, ObjectCode, kind_of, leaves
 from lanewise.simd import as_float
 from lanewise.vec3 import Vec3
@@ -93,6 +95,17 @@ def test_kernels_return_nothing():
 
     with pytest.raises(TypeError, match="must return nothing"):
         instantiate(returns)(View(np.zeros(1, np.float32)))
+
+
+def test_code_that_calls_numbas_own_functions_is_refused(monkeypatch):
+    """All of them are named, though each name ends where the next one begins."""
+    library, table = numba_adapter.OptimisedLibrary, View(np.zeros(1, np.float32))
+    made = library.object_code
+    names = b"\0numba_frexp\0not_numba_ldexp\0numba_gil_ensure\0numba_unpickle\0"
+    monkeypatch.setattr(library, "object_code", lambda self: made(self) + names)
+    text = "not there when a kernel runs: numba_frexp, numba_gil_ensure, numba_unpickle$"
+    with pytest.raises(UnsupportedError, match=text):
+        numba_adapter.object_code(dispatcher_of(scaled_by(0.5)), (table,))
 
 
 def scaled_by(factor):

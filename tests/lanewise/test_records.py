@@ -1,14 +1,17 @@
 """Records as one value: chosen and changed as a whole, compiled and on NumPy arrays."""
 
 from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numba import typeof
+from numba import typeof, types
 from numba.core.errors import TypingError
 
 from lanewise import kept_functions
 from lanewise.jit import instantiate, kernel
+from lanewise.lane_types import FLOATS, MASK, UINTS, Vec3Type
+from lanewise.record_instructions import _count_rows
 from lanewise.records import local_records, put_records, records_at, replace
 from lanewise.simd import LANES, as_uint, float_bits, load_lanes, packing, store_lanes, where
 from lanewise.vec3 import Vec3
@@ -204,6 +207,28 @@ def test_records_are_stored_reordered_and_loaded_as_they_were(compiled):
 @kernel
 def count_lanes_of_a_packet(out):
     out[0] = as_uint(LANES)
+
+
+def test_a_record_takes_as_many_rows_as_it_has_components():
+    """Memory is made for so many; what is uniform stays where it is."""
+    vector = Vec3Type(FLOATS)
+    inner = types.NamedTuple((vector, MASK, types.int64), namedtuple("Inner", "v mask n"))
+    outer = types.NamedTuple((UINTS, inner, vector), namedtuple("Outer", "x inner v"))
+    rows = [_count_rows(kind) for kind in (FLOATS, types.int64, vector, inner, outer)]
+    assert rows == [1, 0, 3, 4, 8]
+
+
+class Becomes(NamedTuple):
+    """A type that is another one after pickling."""
+
+    name: str
+
+    def __reduce__(self):
+        return str, (self.name,)
+
+
+def test_types_that_pickling_changes_are_not_kept():
+    assert not kept_functions.comes_back(Becomes("float32"))
 
 
 def test_only_types_of_records_that_can_be_found_again_are_kept():

@@ -15,6 +15,9 @@ SEEN = {
     "record of lanes": (
         "from lanewise.vec3 import Vec3\nV = Vec3({k}.0, 1.0, 1.0)", "V.x",
     ),
+    "default of a record": (
+        "from collections import namedtuple\nR = namedtuple('R', 'x y', defaults=[{k}])", "R(1.0).y",
+    ),
     "enumeration": ("from enum import IntEnum\nclass M(IntEnum):\n    A = {k}", "M.A + 0"),
     "helper": ("@kernel\ndef g(x):\n    return x * {k}", "g(1.0)"),
     "default": ("@kernel\ndef g(x, y={k}):\n    return x * y", "g(1.0)"),
@@ -28,6 +31,9 @@ def write(k):
 g = write({k})""", "g(1.0)",
     ),
     "function of Numba": ("import numba\n@numba.njit\ndef g(x):\n    return x * {k}", "g(1.0)"),
+    "default by keyword": (
+        "import numba\n@numba.njit\ndef g(x, *, y={k}):\n    return x * y", "g(1.0)",
+    ),
     "module": ("import seen_consts", "seen_consts.K"),
     "module in a package": ("import seen_package.consts", "seen_package.consts.K"),
     "factory of another module": ("from seen_consts import made", "made(1.0)"),

@@ -100,6 +100,20 @@ def test_each_light_that_can_be_aimed_at_has_its_middle_and_its_size(around):
     assert leads.tolist() == [True, True, False, False]
 
 
+@pytest.mark.parametrize(("color", "far"), [([2, 0, 0], 1), ([5, 0, 0], 0)])
+def test_of_two_suns_the_brighter_one_is_aimed_at_in_its_colour(color, far):
+    """Alike but for where they stand: sunlight has about as much red as green, which is brighter."""
+    both = "".join(
+        f"  sun{i}: {{light: {{type: sun, sun_direction: [{x}, 1, 0], scale: {scale}}}}}\n"
+        for i, (x, scale) in enumerate(((1, color), (-1, [0, 1, 0])))
+    )
+    scene = compiled(SCENE % "" + both)
+    row = np.uint32(instantiate(far_light, scene.program, compiled=False)(scene.tables))
+    target = instantiate(target_at, scene.program, compiled=False)(scene.tables, row)
+    assert np.all(target.far)
+    assert np.sign(np.ravel(target.c.x)[0]) == (1.0, -1.0)[far]
+
+
 def test_lights_are_chosen_by_their_power():
     scene = compiled(SCENE % "")
     u = (np.arange(N, dtype=np.float32) + 0.5) / N

@@ -77,6 +77,20 @@ def test_borders_follow_a_cubic_spline_and_corners_stay():
     np.testing.assert_allclose(fine.points[1], [1.0, (0.0 + 6.0 * -1.0 + 0.0) / 8.0, 0.0])
 
 
+def test_an_edge_of_three_faces_is_sharp():
+    """As one of a border is: no side is the other one. So all points stay where they are."""
+    points, faces = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], []
+    for angle in (0.0, 0.7, 2.0):
+        faces.append([0, 1, len(points), len(points) + 1])
+        points += [[x, np.cos(angle), np.sin(angle)] for x in (1.0, 0.0)]
+    fine = subdivided(polygons(points, faces), 1)
+    corners = np.array(points)[faces]
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    wanted = np.concatenate([corners, middles, corners.mean(axis=1, keepdims=True)], axis=1)
+    wanted = np.unique(np.round(wanted.reshape(-1, 3), 9), axis=0)
+    np.testing.assert_allclose(np.unique(np.round(fine.points, 9), axis=0), wanted, atol=1e-8)
+
+
 def test_pinned_vertices_stay():
     fine = subdivided(polygons(CUBE, SIDES, pinned=np.array([7])), 1)
     np.testing.assert_allclose(fine.points[7], CUBE[7])

@@ -146,3 +146,21 @@ def test_corners_of_obj_files_count_from_the_start_or_from_the_end():
         assert problem is None
         for a, b in zip(one[:4], other[:4], strict=True):
             np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize("kind", TYPES)
+def test_every_type_reaches_to_both_of_its_ends(kind, form):
+    """By both of its names; small numbers are the same in all types of a width."""
+    whole = np.iinfo(kind) if kind[0] in "iu" else np.finfo("f4")
+    ends = [float(np.float32(end)) if kind[0] == "f" else end for end in (whole.min, whole.max)]
+    for name in TYPES[kind]:
+        lines = ["ply", f"format {form} 1.0", "element vertex 2"]
+        lines += [f"property {name} {axis}" for axis in "xyz"]
+        body = b"".join(
+            f"{end!r} ".encode() if form == "ascii" else np.array(end, FORMATS[form] + kind).tobytes()
+            for end in ends
+            for _ in "xyz"
+        )
+        mesh = ply.read("\n".join([*lines, "end_header", ""]).encode() + body)
+        np.testing.assert_array_equal(mesh.vertices, np.float32([[end] * 3 for end in ends]))

@@ -17,6 +17,7 @@ from tests.mutants.facets import FACETS
 from tests.mutants.film import FILM
 from tests.mutants.foreign import FOREIGN
 from tests.mutants.formats import FORMATS
+from tests.mutants.foundations import FOUNDATIONS
 from tests.mutants.graphs import GRAPHS
 from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
@@ -92,6 +93,7 @@ MUTANTS = (
     + OBJECTS
     + SHOWN_AGAIN
     + SLIPS
+    + FOUNDATIONS
     + STRANDS
     + EVERYDAY
     + FOREIGN

@@ -7,7 +7,7 @@ import pytest
 
 from alight.bsdfs.conductors.rough_conductor import RoughConductor
 from alight.bsdfs.measured.examples import brushed, satin
-from alight.bsdfs.measured.measured import Measured
+from alight.bsdfs.measured.measured import Measured, _albedo_of
 from alight.bsdfs.measured.measurement import read_measurement
 from alight.bsdfs.measured.warp import (
     Viewed,
@@ -73,6 +73,20 @@ def test_grain_lies_as_that_of_the_metal(grained, azimuth, tmp_path):
     found, _ = Material(read(grained, tmp_path)).evaluate(wo, wi)
     wanted, _ = Material(spec).evaluate(wo, wi)
     assert difference(found, wanted) < 0.05
+
+
+@pytest.mark.parametrize("data", [satin(), brushed()], ids=["satin", "brushed"])
+def test_the_albedo_is_what_is_reflected_of_light_from_above(data):
+    """Samples that fail count as black, so their mean over a grid that misses them is too large."""
+    n = 400
+    cosine, phi = (c.ravel() for c in np.meshgrid((np.arange(n) + 0.5) / n, np.arange(n)))
+    # Steps that grow with the angle: the lobe is narrow.
+    cosine, phi = 1.0 - cosine**3, 2.0 * np.pi * phi / n
+    sine = np.sqrt(1.0 - cosine**2)
+    wi = np.array([sine * np.cos(phi), sine * np.sin(phi), cosine])
+    solid_angle = 6.0 * np.pi * (1.0 - cosine) ** (2.0 / 3.0) / n**2
+    f_cos, _ = Material(Measured(data=data)).evaluate(direction(1.0, 0.0), wi)
+    np.testing.assert_allclose(_albedo_of(data), f_cos @ solid_angle, rtol=1e-3)
 
 
 def test_only_what_has_a_grain_needs_the_tangents_of_shapes():

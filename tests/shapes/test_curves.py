@@ -11,7 +11,7 @@ from alight.core.errors import SceneError
 from alight.formats.native import save
 from alight.scene.flatten import content_hash, flatten
 from alight.shapes import curves
-from alight.shapes.strand_rows import AFTER, BEFORE, IS_BALL
+from alight.shapes.strand_rows import AFTER, BEFORE, IS_BALL, TEXTURE
 from alight.shapes.strands import segments
 
 POINTS = [[0, 0, 0], [0, 1, 0], [1, 2, 0], [2, 2, 1], [3, 2, 1]]
@@ -92,7 +92,12 @@ def test_balls_at_joints_know_the_lines_on_both_sides():
         tuple(points[4]): (none, along[4]), tuple(points[5]): (along[4], none),
     }  # fmt: skip
     assert len(balls) == len(lines)
+    # u runs from 0 to 1 along each strand: at joints it is that of the line that begins there.
+    tubes = rows[rows[:, IS_BALL] == 0.0]
+    begins = {tuple(tube[:3]): tube[TEXTURE] for tube in tubes}
+    assert begins[tuple(points[0])] == begins[tuple(points[4])] == 0.0
     for ball in balls:
+        assert ball[TEXTURE] == begins.get(tuple(ball[:3]), 1.0)
         before, after = lines[tuple(ball[:3])]
         np.testing.assert_allclose(ball[BEFORE : BEFORE + 3], before, atol=1e-6)
         np.testing.assert_allclose(ball[AFTER : AFTER + 3], after, atol=1e-6)

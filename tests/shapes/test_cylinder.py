@@ -249,6 +249,9 @@ def test_a_lamp_shines_outwards_by_its_view_factor():
     assert abs(values.mean() - exact) < 4.5 * error
 
 
-def test_an_axis_without_length_is_refused():
+@pytest.mark.parametrize("p", [(0, 0, 0), (1, -2, 3)])
+def test_an_axis_without_length_is_refused(p):
     with pytest.raises(SceneError, match="p0 and p1 must differ"):
-        Cylinder(p1=(0, 0, 0))
+        Cylinder(p0=p, p1=p)
+    for axis in range(3):
+        Cylinder(p0=p, p1=np.array(p) + np.eye(3)[axis])

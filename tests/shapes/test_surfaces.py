@@ -5,8 +5,12 @@ from itertools import cycle
 import numpy as np
 import pytest
 
+from alight.compiled.program import Program
 from alight.core.constants import INFINITY
+from alight.core.vec import Vec3
+from alight.shapes.cylinder import turn_of
 from alight.shapes.derivatives import uv_derivatives
+from alight.shapes.hit import BENT, OWN_COAT
 from alight.shapes.mesh import Mesh
 from lanewise.jit import instantiate
 from tests.shapes.tracing import (
@@ -236,3 +240,24 @@ def test_compiled_surfaces_are_those_of_numpy():
     assert np.mean((compiled.again < INFINITY) == (plain.again < INFINITY)) > 0.999
     near = np.isclose(compiled.again[both], plain.again[both], rtol=1e-3, atol=1e-3)
     assert near.mean() > 0.995
+
+
+#: Who reads texture coordinates: a texture, a layer, the axes of maps.
+READERS = {
+    "texture": Program(textures=("constant", "checkerboard")),
+    "layer": Program(textures=("constant",), aovs=("uv",)),
+    "map": Program(textures=("constant",), bsdfs=(BENT,)),
+    "coat": Program(textures=("constant",), bsdfs=(OWN_COAT,)),
+}
+
+
+@pytest.mark.parametrize("program", READERS.values(), ids=READERS)
+def test_angles_are_found_where_anything_reads_them(program):
+    x, y, z = np.float32(directions(64, np.random.default_rng(7)))
+    found = instantiate(turn_of, program, compiled=False)(Vec3(x, y, z))
+    np.testing.assert_allclose(found, turn(x, y), atol=1e-6)
+
+
+def test_angles_are_not_found_where_nothing_reads_them():
+    found = instantiate(turn_of, Program(textures=("constant",)), compiled=False)
+    assert np.all(found(Vec3(*np.ones((3, 4), np.float32))) == 0.0)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from alight.compiled.textures import _steps
 from alight.core.errors import SceneError
 from alight.formats import dumps, loads
 from alight.scene.flatten import flatten
@@ -15,7 +16,7 @@ from alight.textures.images import as_image
 from alight.textures.mix import Mix
 from alight.textures.model import TEXTURES
 from alight.textures.multiply import Multiply
-from alight.textures.nesting import REGISTERS, depth_of
+from alight.textures.nesting import REGISTERS, Composed, count_steps, depth_of
 from alight.textures.noise import Noise
 from alight.textures.threshold import Threshold
 from tests.textures.lookup import look_up
@@ -51,6 +52,44 @@ def test_operators_are_their_formulas():
     }
     for texture, wanted in cases.items():
         np.testing.assert_allclose(value(texture), wanted, atol=2e-6, err_msg=repr(texture))
+
+
+def test_steps_and_the_depth_of_the_stack_are_those_of_the_list_that_kernels_run():
+    """What is allowed is counted before there is a list."""
+    rng = np.random.default_rng(6)
+
+    def grown(depth):
+        # Three times three parts would be too deep.
+        kinds = (Add, Multiply, Clamp) if depth == 3 else (Add, Multiply, Clamp, Mix, None)
+        kind = kinds[rng.integers(0, len(kinds))] if depth else None
+        return C if kind is None else kind(**{name: grown(depth - 1) for name in kind.fields})
+
+    for _ in range(40):
+        spec = grown(3)
+        steps, held, deepest = _steps(spec), 0, 0
+        for step in steps:
+            held += 1 - (len(step.parts) if isinstance(step, Composed) else 0)
+            deepest = max(deepest, held)
+        assert (count_steps(spec), depth_of(spec), held) == (len(steps), deepest, 1)
+
+
+def test_coordinates_are_those_of_the_first_part_that_has_some():
+    """Solid textures, colours and names have none."""
+    solid, turned = Noise(), [{"rotate": 30.0}]
+    flat = Bitmap(pixels=A.pixels, uv_set=2, to_uv=turned)
+    other = Checkerboard(color0=0.0, color1=1.0, uv_set=1)
+    for parts in ((solid, flat), (0.5, flat), ("name", flat), (flat, other), (flat, solid)):
+        spec = Clamp(texture=Add(a=parts[0], b=parts[1]))
+        assert spec.set_of_coordinates() == 2
+        np.testing.assert_array_equal(spec.lookup(), flat.to_uv.matrix)
+    assert Add(a=solid, b=0.5).set_of_coordinates() is None
+    assert Add(a=solid, b=0.5).lookup() is None
+
+
+@pytest.mark.parametrize("step", [{}, 3, {"scale": 2, "rotate": 5}, {"shear": 1}])
+def test_a_step_of_a_lookup_is_one_of_four(step):
+    with pytest.raises(SceneError, match="exactly one of translate, scale|unknown step"):
+        Bitmap(pixels=A.pixels, to_uv=[{"scale": 2}, step])
 
 
 def test_means_and_maxima_are_those_of_the_parts():

@@ -129,6 +129,8 @@ def is_reciprocal(spec: Measured) -> bool | None:
 Tables = namedtuple("Tables", "curves start")
 
 HEAD = 24
+#: Of the quadrature of the albedo.
+_ELEVATION_STEPS, _AZIMUTH_STEPS = 64, 128
 # Numbers of the head: how many elevations and azimuths; azimuths fit so many times into a turn;
 # whether only the angle between azimuths counts; then of each table where it begins.
 _ELEVATIONS, _AZIMUTHS, _TURNS, _ISOTROPIC, _THETA, _PHI = range(6)
@@ -178,14 +180,22 @@ def tables_of(data: Measurement) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _albedo_of(data: Measurement) -> tuple[float, float, float]:
-    """Reflected part of light that arrives at right angles: the mean of samples."""
-    u = (np.arange(64) + 0.5) / 64.0
-    u2 = tuple(c.ravel().astype(np.float32) for c in np.meshgrid(u, u))
-    zero, one = np.zeros_like(u2[0]), np.ones_like(u2[0])
+    """Reflected part of light that arrives at right angles, by quadrature over all directions.
+
+    Not by samples: a regular grid of them meets none, or too many, of those that fail at its edges.
+    """
+    # Finer towards the axis, as the measurement is.
+    s, turn = ((np.arange(n) + 0.5) / n for n in (_ELEVATION_STEPS, _AZIMUTH_STEPS))
+    s, phi = (c.ravel() for c in np.meshgrid(s, 2.0 * np.pi * turn))
+    sine, cosine = np.sin(0.5 * np.pi * s * s), np.cos(0.5 * np.pi * s * s)
+    wi = (c.astype(np.float32) for c in (sine * np.cos(phi), sine * np.sin(phi), cosine))
+    zero, one = np.zeros(s.size, np.float32), np.ones(s.size, np.float32)
     tables = Tables(View(tables_of(data)), zero.astype(np.uint32))
-    weight = sample(Params(tables, None), Vec3(zero, zero, one), u2[0], u2)[1]
-    mean = [float(min(np.mean(c), 1.0)) for c in (weight.x, weight.y, weight.z)]
-    return mean[0], mean[1], mean[2]
+    f_cos, _ = evaluate(Params(tables, None), Vec3(zero, zero, one), Vec3(*wi))
+    # domega = sin theta dtheta dphi, and dtheta = pi s ds.
+    solid_angle = 2.0 * np.pi**2 * s * sine / s.size
+    sums = [min(float(c @ solid_angle), 1.0) for c in (f_cos.x, f_cos.y, f_cos.z)]
+    return sums[0], sums[1], sums[2]
 
 
 def pack(spec: Measured, packer) -> None:
