@@ -349,3 +349,12 @@ def test_a_film_has_alpha_only_where_its_picture_has_no_background():
     for hides in (False, True):
         film = Film(8, 8, aovs={"alpha": ("A",)}, options={"hide_emitters": hides})
         assert (film.alpha is not None) == hides == ("alpha.A" not in film.picture().layers)
+
+
+def test_a_pfm_that_was_cut_says_how_many_bytes_there_are(tmp_path):
+    whole = write_image(tmp_path / "a.pfm", np.ones((2, 3, 3), np.float32)).read_bytes()
+    pixels = 2 * 3 * 3 * 4
+    for missing in range(1, pixels + 1):
+        (tmp_path / "b.pfm").write_bytes(whole[:-missing])
+        with pytest.raises(OutputError, match=f"early: {pixels - missing} bytes.*not {pixels}"):
+            read_image(tmp_path / "b.pfm")
