@@ -40,7 +40,7 @@ OUTER = (
     Mutant(
         "whole numbers below a power of ten that they are not divided by",
         "lab/report/page.py",
-        (("for cell in cells), plain=plain)", "for cell in cells))"),),
+        (("_numbers(cell)[:1]], plain=plain)", "_numbers(cell)[:1]])"),),
         f"{DRAWN}::test_a_table_of_a_study_shows_each_value_under_its_own_head",
     ),
     Mutant(
@@ -143,5 +143,40 @@ OUTER = (
         "cluster/addresses.py",
         (('host.strip("[]"), int(port)', "host, int(port)"),),
         "tests/cluster/test_files.py::test_addresses_in_brackets_are_looked_up_without_them",
+    ),
+    Mutant(
+        "arrays that follow their file",
+        "outputs/npy.py",
+        (('"r" if mapped else None', 'None if mapped else "r"'),),
+        "tests/outputs/test_formats.py"
+        "::test_an_array_that_was_read_stays_as_it_is_when_its_file_changes",
+    ),
+    Mutant(
+        "ladders without the guide that was trained for them",
+        "lab/replicates/measure.py",
+        (
+            (
+                "replicates=replicates, guide=scene.guide)\n    tiles",
+                "replicates=replicates)\n    tiles",
+            ),
+        ),
+        "tests/lab/test_measure.py::test_a_ladder_follows_the_guide_that_was_trained_for_it",
+    ),
+    Mutant(
+        "the picture whose noise is known is said to be taken as exact",
+        "lab/compare/figures.py",
+        (
+            (
+                "for one in (a, b) if one.error is None]  # fmt",
+                "for one in (a, b) if one.error is not None]  # fmt",
+            ),
+        ),
+        f"{COMPARE}::test_a_picture_of_unknown_noise_is_taken_as_exact_and_that_is_said",
+    ),
+    Mutant(
+        "a notebook says of a picture that was written that it was stopped",
+        "view/notebook.py",
+        (('"done" if is_whole else "stopped"', '"stopped" if self._cancel.is_set() else "done"'),),
+        "tests/view/test_notebook.py::test_a_stop_while_its_files_are_written_comes_too_late",
     ),
 )
