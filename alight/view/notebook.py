@@ -154,9 +154,11 @@ class LiveFilm:
         prepared = self._prepared
         try:
             self.film = prepared.render(progress=self._take, cancel=self._cancel)
-            if not self._cancel.is_set():
+            is_whole = not self._cancel.is_set()
+            if is_whole:
                 finish(self.film, prepared.targets, self._begin, prepared.warnings())
-            self._text = "stopped" if self._cancel.is_set() else "done"
+            # Who stops it while its files are written comes too late.
+            self._text = "done" if is_whole else "stopped"
         except BaseException as problem:
             self._problem, self._text = problem, f"{type(problem).__name__}: {problem}"
         finally:

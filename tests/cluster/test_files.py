@@ -100,6 +100,13 @@ def test_a_host_that_nobody_knows_is_named(monkeypatch):
     )
 
 
+def test_addresses_in_brackets_are_looked_up_without_them(monkeypatch):
+    asked = []
+    monkeypatch.setattr(addresses.socket, "getaddrinfo", lambda *where: asked.append(where))
+    assert addresses._why("tls://[::1]:8786", TimeoutError("20 s")) == "20 s"
+    assert asked == [("::1", 8786)]
+
+
 def test_a_scheduler_that_speaks_tls_is_asked_for_keys():
     told = addresses._why("tcp://127.0.0.1:1", OSError("reset"))
     assert told == "reset; if it was started with keys, use tls://127.0.0.1:1"

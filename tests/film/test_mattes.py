@@ -86,3 +86,14 @@ def test_a_film_file_whose_rows_are_out_of_order_is_refused(tmp_path):
     ):  # fmt: skip
         columns = {"pixels": np.array(pixels), "surfaces": np.array(surfaces)}
         assert is_readable(film, tmp_path, **columns) == right, (pixels, surfaces)
+
+
+def test_rows_that_are_joined_are_canonical():
+    """As many as an int64 holds fit only where what one limb cannot hold goes to the next."""
+    limbs = fixed_point.to_limbs(np.array([0.3, 0.3, -0.7, 0.9]))[0]
+    pixels, surfaces = np.array([1, 0, 1, 1]), np.array([0, 2, 0, 0])
+    made = SurfaceSums.gathered(pixels, surfaces, limbs)
+    again = SurfaceSums.gathered(made.pixels, made.surfaces, made.sums)
+    np.testing.assert_array_equal(made.sums, again.sums)
+    np.testing.assert_array_equal(made.sums[:, 0] >> 40, 0)
+    np.testing.assert_allclose(fixed_point.to_float(made.sums), [0.3, 0.5], rtol=1e-6)

@@ -3,6 +3,7 @@
 import hashlib
 import threading
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -81,3 +82,15 @@ def test_the_noise_of_references_widens_the_interval():
     assert _shared_noise(a, 1 / 4, a, 1 / 4) == 0.0
     apart = _shared_noise(a, 1 / 4, b, 1 / 2)
     assert apart == pytest.approx(spread_a / 16 + spread_b / 4)
+
+
+def test_a_ladder_follows_the_guide_that_was_trained_for_it(scene, monkeypatch):
+    """And what its training took is part of the time of every step."""
+    guide, given = object(), []
+    trained = replace(scene, guide=guide)
+    monkeypatch.setattr(measure, "made_ready", lambda *asked: (trained, None, 1.5))
+    monkeypatch.setattr(measure, "make_settings", lambda integrator, **words: words)
+    monkeypatch.setattr(measure, "add_tiles", lambda *words: given.append(words[3]) or 0.25)
+    first, second = measure.render_ladder(scene, None, 4, 7, (4, 8), 1)
+    assert given == [{"seed": 7, "replicates": 4, "guide": guide}] * 2
+    assert 1.75 <= first.seconds <= second.seconds - 0.25 < 2.0

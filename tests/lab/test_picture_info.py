@@ -35,7 +35,7 @@ def test_a_picture_of_that_film_tells_the_same_origin(film, tmp_path):
         dict(alight.info(tmp_path / name).facts) for name in ("a.alight", "a.exr")
     )
     assert of_picture["picture"] == "10x8 pixels, EXR"
-    for name in ("version", "seed", "replicates", "scene hash", "fingerprint"):
+    for name in ("version", "seed", "replicates", "scene hash", "fingerprint", "biases"):
         assert of_picture[name] == of_film[name], name
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -41,10 +42,11 @@ from alight.lab.why.shares import (
     relative_weights,
     shares_of,
 )
-from alight.lab.why.trials import alternatives, try_alternatives
-from alight.lab.why.words import ranked, share_lines
+from alight.lab.why.trials import Trial, alternatives, try_alternatives
+from alight.lab.why.words import ranked, share_lines, trial_lines
 from alight.laws.scene.pictures import small
 from alight.lights.tables import INFO as LIGHT_INFO
+from alight.metrics.estimate import Estimate
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
 from alight.rendering.tracing.contribution_recorder import Contributions, Recorder
@@ -381,3 +383,16 @@ def test_kinds_of_contributions_keep_all_of_their_fields():
             materials[bsdf[row]] if bsdf[row] >= 0 else "",
         )  # fmt: skip
         assert _part(code, lights, materials) == wanted
+
+
+def test_each_figure_of_a_trial_stands_behind_its_name():
+    variance, time, product = (Estimate(v, v - 0.1, v + 0.1) for v in (2.0, 3.0, 6.0))
+    better = Trial("a=b", variance, time, product, 0.01)
+    worse = replace(better, change="c=d", efficiency=Estimate(0.5, 0.4, 0.6))
+    figures = "variance / 2 [1.9, 2.1], efficiency x {}, corrected p = 0.01"
+    assert list(trial_lines([worse, better], ["e=f", "g=h"])) == [
+        f"advice: --set a=b  {figures.format('6 [5.9, 6.1]')}",
+        f"tried:  --set c=d  {figures.format('0.5 [0.4, 0.6]')}",
+        "no time left to try: e=f, g=h",
+    ]
+    assert next(trial_lines([worse], [])).startswith("no advice: nothing that was tried")

@@ -156,3 +156,11 @@ def test_different_sizes_are_refused():
 def test_pictures_without_noise_are_refused():
     with pytest.raises(ValueError, match="nothing to judge"):
         compare_pictures(np.ones((3, 4, 4, 3)), np.ones((3, 4, 4, 3)))
+
+
+def test_the_bounds_of_a_report_are_around_one():
+    """Of n blocks alike, rms(z) varies by 1 / sqrt(2 n): three times that, on either side."""
+    result = compare_pictures(renders(1), renders(2))
+    margin = 3.0 / np.sqrt(2.0 * np.isfinite(result.z).sum())
+    assert (result.rms_low, result.rms_high) == pytest.approx((1.0 - margin, 1.0 + margin))
+    assert f"in [{1.0 - margin:.4f}, {1.0 + margin:.4f}], largest" in result.report()

@@ -32,6 +32,7 @@ from tests.mutants.mattes import MATTES
 from tests.mutants.media import MEDIA
 from tests.mutants.objects import OBJECTS
 from tests.mutants.one_of_two import ONE_OF_TWO
+from tests.mutants.outer import OUTER
 from tests.mutants.principled import PRINCIPLED
 from tests.mutants.random_scenes import RANDOM_SCENES
 from tests.mutants.rays import RAYS
@@ -102,4 +103,5 @@ MUTANTS = (
     + LAID_DOWN
     + BEYOND_EXAMPLES
     + ONE_OF_TWO
+    + OUTER
 )

@@ -11,7 +11,7 @@ from alight.core.errors import OutputError
 from alight.core.srgb import encode_srgb
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
-from alight.outputs import FORMATS, hdr, read_image, write_image
+from alight.outputs import FORMATS, hdr, npy, read_image, write_image
 from alight.outputs.exr import read_layers
 from alight.outputs.image import read_picture
 from alight.outputs.picture import Picture, as_picture
@@ -349,3 +349,22 @@ def test_a_film_has_alpha_only_where_its_picture_has_no_background():
     for hides in (False, True):
         film = Film(8, 8, aovs={"alpha": ("A",)}, options={"hide_emitters": hides})
         assert (film.alpha is not None) == hides == ("alpha.A" not in film.picture().layers)
+
+
+def test_a_pfm_that_was_cut_says_how_many_bytes_there_are(tmp_path):
+    whole = write_image(tmp_path / "a.pfm", np.ones((2, 3, 3), np.float32)).read_bytes()
+    pixels = 2 * 3 * 3 * 4
+    for missing in range(1, pixels + 1):
+        (tmp_path / "b.pfm").write_bytes(whole[:-missing])
+        with pytest.raises(OutputError, match=f"early: {pixels - missing} bytes.*not {pixels}"):
+            read_image(tmp_path / "b.pfm")
+
+
+def test_an_array_that_was_read_stays_as_it_is_when_its_file_changes(tmp_path):
+    """Only where it is asked for do the numbers stay in the file."""
+    path = tmp_path / "a.npy"
+    np.save(path, np.ones((2, 3, 3), np.float32))
+    read, mapped = npy.load_array(path), npy.load_array(path, mapped=True)
+    picture = read_image(path)
+    np.load(path, mmap_mode="r+")[:] = 2.0
+    assert (read == 1.0).all() and (picture == 1.0).all() and (mapped == 2.0).all()

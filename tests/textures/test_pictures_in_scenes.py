@@ -343,6 +343,11 @@ def test_memory_of_pictures_is_kept_only_while_more_are_read():
             assert kept() > 0
         assert kept() > 0
     assert kept() == 0
+    # A picture that is broken ends it too.
+    with pytest.raises(ValueError, match="broken"), reusing_memory():
+        assert kept() > 0
+        raise ValueError("broken")
+    assert kept() == 0
 
 
 def test_memory_is_given_back_while_another_thread_imports_pillow(monkeypatch):

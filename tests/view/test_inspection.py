@@ -7,7 +7,7 @@ import pytest
 
 import alight
 from alight.lab.why import shares_of
-from alight.view import protocol
+from alight.view import inspection, protocol
 from alight.view.inspection import path_through
 from alight.view.layers import FileLayers
 from alight.view.opening import session_of
@@ -44,6 +44,25 @@ def test_lines_begin_in_the_pixel_and_go_on_where_they_have_ended(session):
         np.testing.assert_allclose(one[1], following[0], atol=0.01)
     assert {line["kind"] for line in told["lines"]} <= {"path", "light", "shadow"}
     assert np.isfinite([line["points"] for line in told["lines"]]).all()
+
+
+def test_rays_to_lamps_end_there_and_are_shadows_where_something_is_between(session):
+    """Of a few samples, of which some are lit and some are not."""
+    kinds = set()
+    for sample in range(4):
+        told = path_through(session.live, 9, 8, sample)
+        found = alight.trace(session.live.scene, (9, 8), sample=sample)
+        lit = [one for one in found.vertices if one.light and one.light.visible is not None]
+        lines = [line for line in told["lines"] if line["kind"] != "path"]
+        for line, vertex in zip(lines, lit, strict=True):
+            kinds.add(line["kind"])
+            assert line["kind"] == ("light" if vertex.light.visible else "shadow")
+            here = np.array(vertex.position)
+            lamp = here + vertex.light.distance * np.array(vertex.light.wi)
+            # All of the box is before the camera.
+            expected = inspection._line(session.live, session.live.pose, "", here, lamp)
+            np.testing.assert_allclose(line["points"], expected["points"], atol=0.01)
+    assert kinds == {"light", "shadow"}
 
 
 def test_a_cropped_picture_traces_its_own_pixels():

@@ -92,6 +92,19 @@ def test_it_tells_how_far_it_is_and_can_be_stopped(monkeypatch, tmp_path):
     assert not (tmp_path / "a.png").exists()
 
 
+def test_a_stop_while_its_files_are_written_comes_too_late(monkeypatch, tmp_path):
+    finish = notebook.finish
+
+    def stopped_meanwhile(*arguments):
+        live.stop()
+        finish(*arguments)
+
+    monkeypatch.setattr(notebook, "finish", stopped_meanwhile)
+    live = alight.view("cornell-box", output=tmp_path / "a.png", **SMALL)
+    live.wait()
+    assert (tmp_path / "a.png").exists() and repr(live) == "<LiveFilm: done>"
+
+
 def test_shares_of_samples_time_and_error():
     film = SimpleNamespace(
         relmse_estimate=lambda literature: SimpleNamespace(relrmse=SimpleNamespace(value=0.04)),

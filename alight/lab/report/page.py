@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -140,9 +141,7 @@ def _slopes(curves: list[Curve], curve_looks: list[Any]) -> Table | None:
 def table_context(result: TableResult) -> dict[str, Any]:
     """A table of a study's own: the first column names the rows, numbers are aligned."""
     columns = list(zip(*result.rows, strict=True)) if result.rows else []
-    formats = [
-        Column.of([value for cell in cells for value in _numbers(cell)[:1]]) for cells in columns
-    ]
+    formats = [_format(cells) for cells in columns]
     heads = [
         f"{name} {form.unit}".strip()
         for name, form in zip(result.columns, formats or [Column(0, 0)] * len(result.columns),
@@ -154,6 +153,12 @@ def table_context(result: TableResult) -> dict[str, Any]:
         rows.append(Row(cells[0].text, None, [], cells[1:]))
     table = Table(result.description, heads[1:], rows, [])
     return {"title": result.title, "first": heads[0] if heads else "", "table": table}
+
+
+def _format(cells: Sequence[Any]) -> Column:
+    """How the numbers of a column are written; whole ones are counts, and keep all their digits."""
+    plain = any(isinstance(cell, int) for cell in cells)
+    return Column.of([value for cell in cells for value in _numbers(cell)[:1]], plain=plain)
 
 
 def _numbers(cell: Any) -> list[float]:

@@ -40,7 +40,7 @@ class Look(NamedTuple):
 
 
 def looks(count: int, baseline: int | None = None) -> list[Look]:
-    """Choose the styles of this many arms; the eighth and later ones repeat colours, dashed."""
+    """Choose the styles of this many arms; the ninth and later ones repeat colours, dashed."""
     found, n = [], 0
     for i in range(count):
         if i == baseline:

@@ -20,6 +20,7 @@ from alight.lab.compare.figures import (
     UNSURE,
     UNTESTED,
 )
+from alight.lab.compare.views import figure_rows
 from alight.metrics import relmse, smape
 from alight.outputs import read_image
 from tests.lab.compare.test_inputs import film, picture
@@ -95,7 +96,7 @@ def test_a_picture_of_unknown_noise_is_taken_as_exact_and_that_is_said(films, tm
     np.save(tmp_path / "b.npy", read_image(films[1]))
     found = as_json(films[0], tmp_path / "b.npy")
     assert found["verdict"] == DIFFERENT_IF_EXACT
-    assert "taken as exact" in found["notes"][0]
+    assert found["notes"][0].startswith(f"{tmp_path / 'b.npy'} is taken as exact")
     np.save(tmp_path / "a.npy", read_image(films[0]))
     assert as_json(tmp_path / "a.npy", tmp_path / "b.npy")["verdict"] == UNTESTED
 
@@ -206,3 +207,18 @@ def test_names_are_escaped(films, tmp_path):
     page = (tmp_path / "c.html").read_text("utf-8")
     assert "a<b>" not in page
     assert "a&lt;b&gt;&amp;c.exr" in page
+
+
+def test_a_picture_without_known_noise_has_its_column_beside_one_that_has():
+    known = np.full((24, 32, 3), 0.1, np.float32)
+    truth = Input("truth", picture(24, 32), False)
+    pair = [
+        compare_inputs(Input(name, picture(24, 32) + 0.01, False, error, n), truth, slow=False)
+        for name, error, n in (("noisy", known, 4), ("bare", None, 0))
+    ]
+    for found in (pair, pair[::-1]):
+        rows = dict(figure_rows(found))
+        assert all(len(values) == 2 for values in rows.values())
+        for name in ("rms z (R, G, B)", "Largest |z|"):
+            unknown = [one.agreement is None for one in found]
+            assert [value == "–" for value in rows[name]] == unknown

@@ -79,6 +79,21 @@ def test_layers_of_other_renderers_are_found(tmp_path):
         read_input(tmp_path / "n.exr")
 
 
+def test_the_only_channel_of_a_layer_is_its_picture(tmp_path):
+    """Whatever it is called, and whatever counts or covers beside it."""
+    rng = np.random.default_rng(120)
+    main = {c: rng.random((4, 5)).astype(np.float32) for c in "RGBA"}
+    for name in ("V", "Z", "depth"):
+        layer = {f"fog.{c}": rng.random((4, 5)).astype(np.float32) for c in (name, "A")}
+        layer["fog.samples"] = np.full((4, 5), 7, np.uint32)
+        write_exr(tmp_path / "a.exr", main | layer)
+        found = read_input(tmp_path / "a.exr", "fog").image
+        assert np.array_equal(found, np.stack([layer[f"fog.{name}"]] * 3, -1))
+    write_exr(tmp_path / "a.exr", main | layer | {"fog.W": main["R"]})
+    with pytest.raises(OutputError, match=r"no colour in layer fog; it has fog\.A, fog\.W, "):
+        read_input(tmp_path / "a.exr", "fog")
+
+
 def test_grey_and_alpha_are_said(tmp_path):
     np.save(tmp_path / "grey.npy", picture()[..., 0])
     np.save(tmp_path / "alpha.npy", np.dstack([picture(), picture()[..., :1]]))

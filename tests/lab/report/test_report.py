@@ -15,6 +15,7 @@ pytest.importorskip("jinja2")
 
 from alight.core.errors import OptionError
 from alight.lab.report import style, tables, write_report
+from alight.lab.report.targets import check_target
 from alight.lab.results import BIASED, Speedup
 from alight.metrics.estimate import Estimate
 from tests.lab.report import synthetic
@@ -176,6 +177,9 @@ def test_missing_packages_are_named_with_the_remedy_and_nothing_is_written(tmp_p
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(OptionError, match=r'jinja2 and matplotlib: pip install ".*\[lab\]"'):
         write_report(synthetic.study(), tmp_path)
+    for name in ("a.html", "a.HTML", "a.Html"):
+        with pytest.raises(OptionError, match="jinja2"):
+            check_target(tmp_path / name, (".html", ".png"))
     assert list(tmp_path.iterdir()) == []
 
 
