@@ -177,11 +177,11 @@ def gather(view, index):
 
     Machine code does not check it; here an index out of bounds is an error.
     """
-    array, index = getattr(view, "array", view), np.asarray(index).astype(np.int64)
+    array, index = getattr(view, "array", view), np.asarray(index)
     # NumPy counts negative ones from the end.
-    if index.size and index.min() < 0:
+    if index.dtype.kind != "u" and index.size and index.min() < 0:
         raise IndexError(f"index {index.min()} is out of bounds of a table of {len(array)} numbers")
-    return array[index]
+    return array.take(index, axis=0)
 
 
 def gather_row(view, index, n):

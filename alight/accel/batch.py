@@ -179,14 +179,22 @@ def closest_hits(program: Any, scene: Any, o: Vec3, d: Vec3, t_max: np.ndarray) 
     n, times = len(t_max), np.zeros(0)
     if program.motion:
         times, scene = scene.time, _Moving(scene.accel, scene.shapes, scene.motions)
+    else:
+        scene = _Scene(scene.accel, scene.shapes)
     rays = tuple(
         View(np.ascontiguousarray(a, np.float32))
         for a in (np.stack([o.x, o.y, o.z], 1), np.stack([d.x, d.y, d.z], 1), t_max, times)
     )
     results = np.zeros((5, -(-n // _PADDING) * _PADDING), np.float32)
-    instantiate(hits_range, program)(scene, rays, View(results), 0, n)
+    instantiate(hits_range, _asked(program))(scene, rays, View(results), 0, n)
     t, u, v, shape, prim = results[:, :n]
     return Hit(t, u, v, shape.view(np.uint32), prim.view(np.uint32))
+
+
+def _asked(program: Any) -> Any:
+    """What a search asks of a program, so that scenes of like shapes share its machine code."""
+    # A user's own shape may ask for anything.
+    return program if program.registered else _Program(program.accel, program.motion)
 
 
 def _run(text, bvh, origins, directions, t_max, columns, threads) -> np.ndarray:

@@ -35,7 +35,7 @@ from alight.laws.statistics import (
     z_of_mean,
 )
 
-CELLS = sphere_cells()
+CELLS = sphere_cells(SIDES[0])
 N, STEPS = 60_000, 4096
 
 

@@ -6,7 +6,7 @@ Sidak's share of it. Seeds are fixed, so a test that passes keeps passing.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from statistics import NormalDist
 
 import numpy as np
@@ -121,8 +121,8 @@ class SphereCells:
 SIDES = (32, 64, 128)
 
 
-@lru_cache(maxsize=len(SIDES) + 2)
-def sphere_cells(side=32):
+@cache
+def sphere_cells(side):
     """`SphereCells` of a side, made once: the finest have two million points."""
     return SphereCells(side=side)
 

@@ -38,7 +38,7 @@ for colour and radius; Kelemen and Szirmay-Kalos 2001 for the shape of the diffu
 from __future__ import annotations
 
 from collections import namedtuple
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -149,6 +149,13 @@ _load_row = loader(Row)
 Params = namedtuple("SubsurfaceParams", "color eta facets leaving coat")
 
 
+@cache
+def _nodes_and_weights() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Of Gauss and Legendre's rule from 0 to 1: the same for all materials, and slow to find."""
+    y, weight = np.polynomial.legendre.leggauss(512)
+    return 0.5 * (y + 1.0), 0.5 * weight
+
+
 @lru_cache(maxsize=64)
 def entering_row(alpha: float, ior: float) -> tuple[NDArray[np.float32], float]:
     """T at `STEPS` cosines (j / (STEPS - 1))^4, and the mean of 2 mu T as kernels read it."""
@@ -156,8 +163,7 @@ def entering_row(alpha: float, ior: float) -> tuple[NDArray[np.float32], float]:
     seen = see_facets(facets, np.maximum(root**4, 1e-6))
     through = 1.0 - bounce(seen, ior, refracts=False).reflected if ior > 1.0 else np.ones(STEPS)
     # mu = y^4: the cosine and its differential make 8 y^7.
-    y, weight = np.polynomial.legendre.leggauss(512)
-    y, weight = 0.5 * (y + 1.0), 0.5 * weight
+    y, weight = _nodes_and_weights()
     mean = float(np.sum(weight * 8.0 * y**7 * np.interp(y, root, through)))
     return through.astype(np.float32), mean
 
