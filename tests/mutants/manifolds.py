@@ -34,7 +34,7 @@ MANIFOLDS = (
     Mutant(
         "photons of any lamp",
         "lights/photons.py",
-        (("^ (light << 16)", "^ (light * 0)"),),
+        (("^ (key << 16)", "^ (key * 0)"),),
         PHOTONS,
     ),
     Mutant(
