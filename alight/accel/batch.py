@@ -166,7 +166,7 @@ def closest_hits(program: Any, scene: Any, o: Vec3, d: Vec3, t_max: np.ndarray) 
     ----------
     program, scene
         Of a `CompiledScene`: its program and its tables; where something moves, those of
-        `alight.integrators.moments.tables_at`, with a time for each ray.
+        `alight.compiled.at_times.tables_at`, with a time for each ray.
     o, d : Vec3 of (n,) float32
         Metres; t is in units of the direction's length.
     t_max : (n,) float32

@@ -20,10 +20,19 @@ def boxes_of_casters(flat: FlatScene) -> NDArray[np.float64]:
     (n, 6) float64, metres
         Lower and upper corner.
     """
+    return boxes_by_shape(flat)[0]
+
+
+def boxes_by_shape(flat: FlatScene) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """`boxes_of_casters`, and the number of the shape of each in the scene, (n,) int."""
     bright = [is_caster(bsdf) for bsdf in flat.bsdfs]
-    found = [box_of(flat, placed) for placed in flat.shapes if bright[placed.bsdf]]
-    rows = [np.concatenate(box) for box in found if box is not None]
-    return np.array([row for row in rows if np.isfinite(row).all()], float).reshape(-1, 6)
+    found, numbers = [], []
+    for number, placed in enumerate(flat.shapes):
+        box = box_of(flat, placed) if bright[placed.bsdf] else None
+        if box is not None and np.isfinite(box).all():
+            found.append(np.concatenate(box))
+            numbers.append(number)
+    return np.array(found, float).reshape(-1, 6), np.array(numbers, np.intp)
 
 
 def is_caster(bsdf: Bsdf) -> bool:

@@ -6,10 +6,13 @@ import numpy as np
 
 from alight.compiled.light_tree import LightRow, by_power, find_leaves
 from alight.compiled.shapes import CompiledShapes
+from alight.compiled.suspicious_bodies import Box
 from alight.core.vec import luminance
 from alight.lights.bright_disk import Disk
 from alight.lights.model import LIGHTS
 from alight.lights.targets import FINE, SPHERE
+from alight.shapes.hit import INFO as SHAPE_INFO
+from alight.shapes.model import SHAPES
 from lanewise.vec3 import Vec3
 
 
@@ -26,21 +29,24 @@ def targets(
         One a light.
     powers : (n,) float64, W
     shapes : CompiledShapes
-    casters : (k, 6) float64, metres
-        Boxes around what casts caustics.
+    casters : (k, 7) float64, metres
+        Boxes around what casts caustics, as it rests, and the numbers of motions + 1.
 
     Returns
     -------
-    (n + 1 + 4 n + 2 + 6 k,) float32
+    (n + 1 + 4 n + 2 + 7 k,) float32
     """
     placed = np.array([row.shape >= 0 for row in rows], bool)
     points = {i: powers[i] for i, row in enumerate(rows) if _is_aimed_at(row) and powers[i] > 0.0}
     powers = np.where(placed, powers, 0.0)
-    leaves, spheres = find_leaves(rows, powers, shapes), np.zeros((len(rows), SPHERE))
+    spheres = np.zeros((len(rows), SPHERE))
+    leaves = find_leaves([row._replace(motion=None) for row in rows], powers, shapes)
     for number in np.flatnonzero(powers > 0.0):
         mine = leaves.row == number
         if mine.any():
             low, high = leaves.low[mine].min(axis=0), leaves.high[mine].max(axis=0)
+            if rows[number].motion is not None:
+                low, high = _at_rest(rows[number], shapes, (low, high))
             spheres[number] = *(0.5 * (low + high)), _radius(0.5 * (high - low))
     powers = np.where(spheres[:, 3] > 0.0, powers, 0.0)
     for number, power in points.items():
@@ -62,10 +68,19 @@ def targets(
     ).astype(np.float32)
 
 
+def _at_rest(row: LightRow, shapes: CompiledShapes, swept: Box) -> Box:
+    """The box of a lamp that moves before it does; swept: that of its leaves."""
+    model = SHAPES[shapes.rows[row.shape].kind]
+    if model.bounds is None:
+        return swept
+    start = shapes.tables.info.array[row.shape * SHAPE_INFO + 3]
+    return model.bounds(shapes.tables.data.array[start:])
+
+
 def _is_aimed_at(row: LightRow) -> bool:
     """Whether it is a delta light, of which is known where it is."""
     model = LIGHTS[row.kind]
-    return model.DELTA and row.motion is None and (model.INFINITELY_FAR or row.cone is not None)
+    return model.DELTA and (model.INFINITELY_FAR or row.cone is not None)
 
 
 def _power(row: LightRow, disk: Disk, radius: float) -> float:

@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from alight.compiled.casters import boxes_of_casters
+from alight.compiled.casters import boxes_by_shape
 from alight.compiled.displacement import displaced
 from alight.compiled.kept import Kept
 from alight.compiled.light_emission import Emits, emitting
@@ -147,7 +147,7 @@ def compile_lights(
             tables.append(made.cdf)
     aimed_at = np.zeros(0, np.float32)
     if aims:
-        aimed_at = targets(rows, powers, shapes, boxes_of_casters(flat))
+        aimed_at = targets(rows, powers, shapes, _casters(flat, shapes))
     all_tables = LightTables(
         View(info), View(data), View(np.concatenate(tables)), _joined(maps), View(aimed_at)
     )
@@ -172,6 +172,13 @@ def emitting_lights(flat: FlatScene) -> EmittingLights | None:
     flat = displaced(flat)
     found = compile_lights(flat, compile_shapes(flat), "power", emits="if possible").tables
     return found if isinstance(found, EmittingLights) else None
+
+
+def _casters(flat: FlatScene, shapes: CompiledShapes) -> np.ndarray:
+    """Boxes of what casts caustics at rest, and the numbers of their motions: (n, 7) float64."""
+    boxes, numbers = boxes_by_shape(flat)
+    motions = {row.source: motion for row, motion in zip(shapes.rows, shapes.motions, strict=True)}
+    return np.column_stack([boxes, [motions[number] for number in numbers]])
 
 
 def _joined(maps: list[np.ndarray]) -> View:

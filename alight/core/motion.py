@@ -280,6 +280,31 @@ def point_at_opening(program):
     return at_opening
 
 
+@specialised
+def moved_along(program):
+    """``moved_along(scene, number, p)``: points at rest, along with motions.
+
+    number: u32, as of `Motions.of_shape`: 0 for what rests.
+    """
+    if not program.motion:
+        return _as_it_is
+
+    @kernel
+    def placed_now(scene, number, p):
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            p = where(moving, placed(m, p), p)
+        return p
+
+    return placed_now
+
+
+@kernel
+def _as_it_is(scene, number, p):
+    return p
+
+
 @kernel
 def _its_point(scene, surface):
     return surface.p

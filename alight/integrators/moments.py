@@ -7,22 +7,15 @@ the shutter, and a pure function of the sample, so that nothing has to be carrie
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Any
 
-import numpy as np
-
+from alight.compiled.at_times import AtTimes, AtTimesInMedia
 from alight.samplers.sampling import get_1d
 from lanewise.jit import kernel, specialised
 
 #: Dimension of the time, see `alight.integrators.walk`.
 TIME = 4
 
-#: Tables of a scene in which something moves (`alight.compiled.scene`), seen at the times of the
-#: lanes; the same with media, and of contributions.
-AtTimes = namedtuple("AtTimes", "shapes materials lights accel camera filter motions time")
-AtTimesInMedia = namedtuple(
-    "AtTimesInMedia", "shapes materials lights accel camera filter media motions time"
-)
+#: `AtTimes` of contributions.
 AtTimesRecorded = namedtuple(
     "AtTimesRecorded", "shapes materials lights accel camera filter motions log time"
 )
@@ -89,17 +82,3 @@ def at_times_recorded(scene, sampler):
         log=scene.log,
         time=get_1d(sampler, TIME),
     )
-
-
-def tables_at(tables: Any, times: np.ndarray) -> Any:
-    """What kernels are given of a scene in motion, seen at these times: for the NumPy twin.
-
-    Parameters
-    ----------
-    tables : MovingScene or MovingWithMedia
-        `alight.compiled.scene.CompiledScene.tables`.
-    times : (n,) float32
-        From 0 (the shutter opens) to 1.
-    """
-    fields = tables._asdict()
-    return (AtTimesInMedia if "media" in fields else AtTimes)(**fields, time=times)

@@ -5,8 +5,9 @@ of those that can be aimed at, and then for each light the middle and the radius
 its shape as it rests, metres; the radius is 0 of lights that are no targets. Of what is around the
 scene one disk is, the brightest: in the place of the sphere are the unit direction to its middle,
 and the sine of its half angle, negated. Then follow the row of that light, the number of boxes
-around shapes that are mirrors or clear glass, and two corners of each. `alight.lights.photons`
-tells the rest.
+around shapes that are mirrors or clear glass, and of each two corners as it rests and the number of
+its motion, as of `alight.core.motion.Motions`. `alight.lights.photons` tells the rest. Where lights
+and casters move, they are aimed at where they are at the time of the path.
 
 Delta lights have no size. From wherever they are seen they are taken for a disk of one small angle,
 with the irradiance that they have there: `FINE` is its sine, and stands in the table in the place
@@ -21,14 +22,17 @@ from collections import namedtuple
 
 from alight.core.constants import INV_PI
 from alight.core.distributions import sample_discrete
+from alight.core.motion import matrix_at, moved_along, placed, turned
 from alight.core.vec import Vec3, dot, gather_vec3, length_squared
 from alight.lights.hits import on_shapes
 from alight.lights.misses import environment_radiance, environments_of
 from alight.lights.model import LIGHTS
+from alight.lights.moving import moving_sample
 from alight.lights.sampling import has_delta_lights, sample_by_kind
 from alight.lights.tables import INFO, STRIDE
 from alight.shapes.hit import shadow_length
 from lanewise.jit import kernel, specialised
+from lanewise.records import replace
 from lanewise.simd import (
     absolute,
     any_lane,
@@ -47,7 +51,7 @@ from lanewise.simd import (
 #: Numbers of a sphere.
 SPHERE = 4
 #: Numbers of a box.
-BOX = 6
+BOX = 7
 
 #: Sine of the half angle of the disk that a delta light is taken for.
 FINE = 2e-4
@@ -125,16 +129,36 @@ def way_to_caster(scene, p, u, u3):
     number = minimum_u32(to_uint(u * (1.0 * count)), lanes_u32(0) + max(count, 1) - 1)
     # Without any, what is read is another table's.
     row = number * BOX + (first if count > 0 else 0)
-    ax, ay, az, bx = gather_row(scene.lights.targets, row, 4)
-    _, _, by, bz = gather_row(scene.lights.targets, row + 2, 4)
+    ax, ay, az, _ = gather_row(scene.lights.targets, row, 4)
+    bx, by, bz, motion = gather_row(scene.lights.targets, row + 3, 4)
     x, y, z = u3
     point = Vec3(ax + x * (bx - ax), ay + y * (by - ay), az + z * (bz - az))
-    return lanes_mask(count > 0), point - p
+    there = lanes_mask(count > 0)
+    return there, moved_along(scene, to_uint(where(there, motion, 0.0)), point) - p
+
+
+@specialised
+def target_at(program):
+    """``target_at(scene, index)``: the `Target` in a row; the radius is 0 if it is none."""
+    if "lights" not in program.motion:
+        return target_at_rest
+
+    @kernel
+    def target_now(scene, index):
+        target = target_at_rest(scene, index)
+        number, c = lanes_u32(0) + gather(scene.motions.of_light, index), target.c
+        moving = number != 0
+        if any_lane(moving):
+            m = matrix_at(scene.motions, where(moving, number - 1, 0), scene.time)
+            c = where(moving, where(target.far, turned(m, c), placed(m, c)), c)
+        return replace(target, c=c)
+
+    return target_now
 
 
 @kernel
-def target_at(scene, index):
-    """The `Target` in a row; of those that are none, the radius is 0."""
+def target_at_rest(scene, index):
+    """The same before anything has moved."""
     start = scene.lights.info.size // INFO + 1
     x, y, z, radius = gather_row(scene.lights.targets, start + index * SPHERE, 4)
     delta = _is_delta(scene, index)
@@ -250,6 +274,8 @@ def end_at_point(program):
         return without_them
 
     own = sample_by_kind(_delta_kinds(program))
+    if "lights" in program.motion:
+        own = moving_sample(own)
 
     @kernel
     def of_the_disk(scene, target, o, d, t, last):

@@ -16,10 +16,10 @@ from alight.bsdfs.dielectrics.dispersion import disperses
 from alight.bsdfs.dispatch import sample_bsdf
 from alight.bsdfs.flags import DELTA, NULL
 from alight.cameras.rays import generate_ray
+from alight.compiled.at_times import tables_at
 from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE
-from alight.integrators.moments import tables_at
 from alight.integrators.walk import to_local, to_world
 from alight.shapes.hit import Hit, Surface, spawn_origin
 from alight.shapes.surfaces import make_surface

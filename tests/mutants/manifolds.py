@@ -19,6 +19,8 @@ COUNTED = (
     "tests/estimators/test_counted_searches.py::test_the_mean_count_is_one_over_the_probability"
 )
 PHOTONS = "tests/lights/test_photons.py::test_a_photon_tells_the_way_of_its_own_lamp"
+AIMS = "tests/motion/test_aims_in_motion.py"
+PASSING = f"{AIMS}::test_photons_tell_the_way_at_the_time_of_the_path"
 DAY_AND_LAMPS = f"{DELTA}::test_lamps_light_the_ground_under_water"
 
 MANIFOLDS = (
@@ -32,7 +34,7 @@ MANIFOLDS = (
     Mutant(
         "photons of any lamp",
         "lights/photons.py",
-        (("^ (light << 16)", "^ (light * 0)"),),
+        (("^ (key << 16)", "^ (key * 0)"),),
         PHOTONS,
     ),
     Mutant(
@@ -40,6 +42,47 @@ MANIFOLDS = (
         "compiled/photons.py",
         (("np.where(bent[:, None], p, last)", "np.where(bent[:, None], o, last)"),),
         PHOTONS,
+    ),
+    Mutant(
+        "photons of any time",
+        "lights/photons.py",
+        (("+ minimum_u32(to_uint(scene.time * SLOTS), lanes_u32(SLOTS - 1))", ""),),
+        PASSING,
+    ),
+    Mutant(
+        "photons that come from where the glass was at rest",
+        "lights/photons.py",
+        (
+            (
+                "return moved_along(scene, to_uint(where(there, motion, 0.0)), Vec3(x, y, z))",
+                "return Vec3(x, y, z)",
+            ),
+        ),
+        PASSING,
+    ),
+    Mutant(
+        "a directional light that turns, aimed at where it has come from",
+        "lights/targets.py",
+        (("where(target.far, turned(m, c), placed(m, c))", "where(target.far, c, placed(m, c))"),),
+        f"{AIMS}::test_lamps_are_aimed_at_where_they_are",
+    ),
+    Mutant(
+        "lamps that move, taken for spheres around their whole way",
+        "compiled/light_targets.py",
+        (("if rows[number].motion is not None:", "if rows[number].motion is None:"),),
+        f"{AIMS}::test_lamps_are_aimed_at_where_they_are",
+    ),
+    Mutant(
+        "delta lights that move and shine from where they rest",
+        "lights/targets.py",
+        (("own = moving_sample(own)", "own = own"),),
+        f"{AIMS}::test_lamps_without_a_size_shine_from_where_they_are",
+    ),
+    Mutant(
+        "mirrors that move, aimed at where they rest",
+        "lights/targets.py",
+        (("moved_along(scene, to_uint(where(there, motion, 0.0)), point) - p", "point - p"),),
+        f"{AIMS}::test_mirrors_are_aimed_at_where_they_are",
     ),
     Mutant(
         "delta lights as disks of the whole radius that walks aim at",
