@@ -127,6 +127,12 @@ class Session:
         """Whether nothing is added to the picture at the moment."""
         return self.live is None or self.live.phase in ("done", "stopped")
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is suspicious of the scene, and what went wrong in its film."""
+        of_scene = self.live.movable.compiled.warnings if self.live else ()
+        return tuple(dict.fromkeys([*of_scene, *(self.film.warnings if self.film else ())]))
+
     def state(
         self,
         error: ErrorEstimate | None,
@@ -166,6 +172,7 @@ class Session:
             "ways": {way: label_of_way(way) for way in ways()},
             "tone_maps": list(TONE_CURVES),
             "against": self.against is not None,
+            "warnings": list(self.warnings),
         }
         if film:
             found |= {"spp": film.spp, "replicates": film.replicates, "seed": film.seed}

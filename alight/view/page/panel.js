@@ -26,6 +26,18 @@ function list(element, pairs) {
   }));
 }
 
+function items(element, texts) {
+  const key = texts.join("\n");
+  // A list that is read aloud is left alone while it stays the same.
+  if (element.dataset.items === key) return;
+  element.dataset.items = key;
+  element.replaceChildren(...texts.map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+}
+
 // `ask` asks for the command of the picture.
 export function makePanel(ask) {
   list($("keys"), HELP);
@@ -38,6 +50,7 @@ export function makePanel(ask) {
     $("of-render").hidden = state.kind === "picture";
     $("of-camera").hidden = state.kind !== "scene";
     $("of-error").hidden = state.kind === "picture";
+    showWarnings(state.warnings);
     showPhase(state);
     showError(state);
     showRender(state);
@@ -63,6 +76,13 @@ export function makePanel(ask) {
       if (state.kind === "scene") $("saves").append(button("Command", ask));
     }
   };
+}
+
+function showWarnings(warnings) {
+  const count = warnings.length;
+  $("of-warnings").hidden = $("warned").hidden = !count;
+  $("warned").textContent = `${count} warning${count === 1 ? "" : "s"}`;
+  items($("warnings"), warnings);
 }
 
 function link(name) {
@@ -144,11 +164,7 @@ function showError(state) {
   $("promise").textContent = word;
   $("promise").className = `chip ${word === "met" ? "met" : word.startsWith("not") ? "missed" : ""}`;
   $("verdict").textContent = state.line ?? "";
-  $("biases").replaceChildren(...(state.biases ?? []).map((line) => {
-    const item = document.createElement("li");
-    item.textContent = line;
-    return item;
-  }));
+  items($("biases"), state.biases ?? []);
 }
 
 function showRender(state) {
