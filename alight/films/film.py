@@ -360,7 +360,7 @@ class Film:
         ----------
         path : path
             ``.exr .png .jpg .npy .hdr .pfm``; EXR also keeps the error, the AOVs and provenance.
-            ``.alight`` keeps all sums, exactly: see `load`.
+            ``.alight`` keeps all sums, exactly: see `load`. It is no checkpoint to resume from.
         **display
             `exposure`, `white_balance`, `tone_map`, `bits`: see `alight.outputs.write_image`.
 
