@@ -27,6 +27,8 @@ const connection = new Connection({
   },
   state(message) {
     if (message.number !== state.number) picture.mark(null);
+    // Who opens two pictures wants to compare them.
+    if (message.against && message.kind !== "scene" && !state.title) tabs.open("Display");
     state = message;
     picture.resize(state.size);
     picture.compare(state.against, state.way, Boolean(state.contrast));

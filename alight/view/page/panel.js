@@ -126,13 +126,19 @@ function showContrast(state) {
   $("of-split").hidden = !state.against || !isSplit;
   $("of-contrast").hidden = !state.against || isSplit;
   fill($("way"), Object.keys(state.ways), state.way, (way) => state.ways[way]);
-  if (isSplit || !state.against) return;
-  const isMetric = !["divider", "difference"].includes(state.way), told = isMetric ? figure : percent;
-  $("differs").textContent = contrast
-    ? isMetric ? `mean ${state.ways[state.way]} ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
-    : state.differs ?? "";
-  $("contrast-low").textContent = contrast ? told(contrast.low) : "";
-  $("contrast-high").textContent = contrast ? told(contrast.high) : "";
+  $("rival").textContent = `left: ${state.rival}`;
+  $("here").textContent = `right: ${state.kind === "scene" ? "now" : state.title}`;
+  const told = $("differs");
+  if (isSplit || !state.against) return delete told.dataset.way;
+  const isMetric = state.way !== "difference", write = isMetric ? figure : percent;
+  // While the next one is worked out, that of a moment ago stays.
+  if (!contrast && !state.differs && told.dataset.way === state.way) return;
+  told.dataset.way = contrast ? state.way : "";
+  told.textContent = !contrast ? state.differs ?? "being worked out …"
+    : isMetric ? `mean ${state.ways[state.way]} ${figure(contrast.mean)}`
+      : `root of the relative MSE ${percent(contrast.mean)}`;
+  $("contrast-low").textContent = contrast ? write(contrast.low) : "";
+  $("contrast-high").textContent = contrast ? write(contrast.high) : "";
 }
 
 function showPhase(state) {
@@ -155,7 +161,7 @@ function showPhase(state) {
 function showError(state) {
   const [value, low, high] = state.error ?? [null, null, null];
   $("error").textContent = value === null ? "–" : percent(value);
-  $("interval").textContent = value === null ? "unknown as yet"
+  $("interval").textContent = value === null ? unknown(state)
     : high === null ? "relRMSE or more: an interval takes 4 replicates"
     : `relRMSE, ${state.promised ? "95 % interval " : ""}${percent(low)} to ${percent(high)}`
       + (state.promised ? "" : " (not promised: pixels share paths)");
@@ -165,6 +171,10 @@ function showError(state) {
   $("promise").className = `chip ${word === "met" ? "met" : word.startsWith("not") ? "missed" : ""}`;
   $("verdict").textContent = state.line ?? "";
   items($("biases"), state.biases ?? []);
+}
+
+function unknown({ replicates, spp }) {
+  return replicates > spp ? `unknown below ${replicates} samples per pixel` : "unknown as yet";
 }
 
 function showRender(state) {
