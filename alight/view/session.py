@@ -179,7 +179,8 @@ class Session:
             "way": self.look.way,
             "ways": {way: label_of_way(way) for way in ways()},
             "tone_maps": list(TONE_CURVES),
-            "against": self.against is not None, "rival": self.rival,
+            "against": self.against is not None,
+            "rival": self.rival,
             "warnings": list(self.warnings),
         }
         if film:

@@ -198,7 +198,10 @@ def test_two_pictures_are_named_and_compared(browser, tmp_path):
     with served(str(tmp_path / "a.png"), "--against", str(tmp_path / "b.png")) as address:
         page, errors = opened(browser, address)
         assert page.get_attribute("[role=tab] >> text=Display", "aria-selected") == "true"
-        assert (page.inner_text("#rival"), page.inner_text("#here")) == ("left: b.png", "right: a.png")
+        assert (page.inner_text("#rival"), page.inner_text("#here")) == (
+            "left: b.png",
+            "right: a.png",
+        )
         # The button that folds the panel stays at the edge, though there is no progress to show.
         button = page.locator("#fold").bounding_box()
         assert button["x"] + button["width"] > 1180
