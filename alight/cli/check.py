@@ -52,13 +52,12 @@ def check(
         _check_mutant(mutant, ["check", scene, *options.words(), *(["--quiet"] if quiet else [])])
         return
     import alight
-    from alight.cli.reporting import warn
+    from alight.cli.reporting import warn_of
     from alight.laws.scene.dump import write_failures
     from alight.options.loading import scene_of
 
     description = scene_of(scene, options)
-    for warning in description.warnings:
-        warn(warning)
+    warn_of(description)
     begin = time.perf_counter()
 
     def progress(text: str) -> None:

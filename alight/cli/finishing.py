@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from alight.cli.interrupts import cancelling
-from alight.cli.reporting import warn
+from alight.cli.reporting import Warnings
 from alight.core.errors import AlightError, OutputError
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def run_and_finish(
     time_limit : float or None
         For the progress bar.
     warnings : sequence of str
-        Given already; for ``--stats``.
+        To be said before those of the compiled scene.
 
     Raises
     ------
@@ -50,8 +50,9 @@ def run_and_finish(
     from alight.rendering.writing import finish
 
     begin, cancel = time.perf_counter(), threading.Event()
-    film, stopped = None, False
-    with ProgressBar(quiet, time_limit) as bar, cancelling(cancel, bar) as interruption:
+    film, stopped, warns = None, False, Warnings()
+    warns(warnings)
+    with ProgressBar(quiet, time_limit, warns) as bar, cancelling(cancel, bar) as interruption:
         try:
             film = render(progress=bar, cancel=cancel)
         except KeyboardInterrupt:
@@ -67,8 +68,7 @@ def run_and_finish(
         raise typer.Exit(interruption.exit_code)
     assert film is not None
     outcome = finish(film, targets, begin, warnings)
-    for warning in outcome.warnings:
-        warn(warning)
+    warns(film.warnings)
     if not quiet:
         typer.echo(str(outcome))
 

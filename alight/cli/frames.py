@@ -10,7 +10,7 @@ import typer
 
 from alight.cli.interrupts import cancelling
 from alight.cli.progress import ProgressBar
-from alight.cli.reporting import note_unused, warn
+from alight.cli.reporting import Warnings, note_unused
 
 if TYPE_CHECKING:
     from alight.options.animation import AnimationOptions
@@ -38,8 +38,8 @@ def render_frames(
     from alight.outputs.moving import played_fps
     from alight.rendering.animation import Animation
 
-    cancel = threading.Event()
-    with ProgressBar(quiet) as bar, cancelling(cancel, bar) as interruption:
+    cancel, warns = threading.Event(), Warnings()
+    with ProgressBar(quiet, warns=warns) as bar, cancelling(cancel, bar) as interruption:
 
         def show(progress: Progress) -> None:
             bar.title = f"frame {made.current}: "
@@ -48,15 +48,13 @@ def render_frames(
         made = Animation(scene, options.changed(progress=show, cancel=cancel))
         if not quiet:
             note_unused(scene, made.scene)
-        for warning in made.prepared.warnings(spell):
-            warn(warning)
+        warns(made.prepared.warnings(spell))
         try:
             written = made.render()
             stopped = cancel.is_set()
         except KeyboardInterrupt:
             written, stopped = [], True
-    for warning in made.notes:
-        warn(warning)
+    warns(made.warnings)
     if stopped:
         again = "goes on there" if made.goes_on else (
             f"starts at frame {made.numbers.start} again: only EXR files of frames are kept for a "

@@ -35,7 +35,7 @@ def merge(
     from alight.films.merging import check_samples
     from alight.options.plugins import load_plugins
     from alight.rendering import merge as merge_films
-    from alight.rendering.summary import bias_lines, error_line, warnings_of
+    from alight.rendering.summary import bias_lines, error_line
     from alight.rendering.writing import Targets, write_outputs
 
     load_plugins(plugins)
@@ -45,7 +45,7 @@ def merge(
     if spp is not None:
         check_samples(film, spp)
     denoiser = write_outputs(film, targets)
-    for warning in warnings_of(film):
+    for warning in film.warnings:
         warn(warning)
     if not quiet:
         _, _, w, h = film.crop

@@ -6,6 +6,7 @@ import math
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterable
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -84,6 +85,8 @@ class ProgressBar(Bar):
         Show nothing.
     time_limit : float, seconds, optional
         Full length of the bar where no number of samples is asked for.
+    warns : callable, optional
+        Given the warnings of the scene before its first sample.
 
     Attributes
     ----------
@@ -95,8 +98,14 @@ class ProgressBar(Bar):
         Goes before what is said of the render.
     """
 
-    def __init__(self, quiet: bool = False, time_limit: float | None = None) -> None:
+    def __init__(
+        self,
+        quiet: bool = False,
+        time_limit: float | None = None,
+        warns: Callable[[Iterable[str]], None] = lambda messages: None,
+    ) -> None:
         super().__init__(quiet)
+        self._warns = warns
         self.film: Film | None = None
         self.phase, self.title = "load", ""
         self._time_limit = time_limit
@@ -113,6 +122,7 @@ class ProgressBar(Bar):
         self.phase = progress.phase
         self._timer.cancel()
         if progress.phase != "render":
+            self._warns(progress.film.warnings)
             text = COMPILING if progress.phase == "compile" else progress.phase
             self._bar.update(self._task, description=f"{self.title}{text}", total=None)
             if self._speaks:
@@ -143,7 +153,7 @@ class ProgressBar(Bar):
         sys.stderr.write(f"{text}\n")
 
     def _current_error(self, progress: Progress) -> str:
-        if self._hidden or progress.film is None or progress.seconds < self._next_error:
+        if self._hidden or progress.seconds < self._next_error:
             return self._error
         begin = time.perf_counter()
         error = progress.film.relmse_estimate(literature=False).relrmse.value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from alight.cli.reporting import note_unused, warn
+from alight.cli.reporting import note_unused
 from alight.cli.words import DEFAULT_SCENE, Quiet, SceneName, spelling_of, takes_words
 from alight.options.animation import AnimationOptions
 
@@ -27,12 +27,9 @@ def render(
     prepared = prepare(scene, still.changed(output=output))
     if not quiet:
         note_unused(scene, prepared.scene)
-    warnings = prepared.warnings(spelling_of(render))
-    for warning in warnings:
-        warn(warning)
     run_and_finish(
-        prepared.render, prepared.targets, warnings=warnings, quiet=quiet,
-        time_limit=time_limit_of(still),
+        prepared.render, prepared.targets, warnings=prepared.warnings(spelling_of(render)),
+        quiet=quiet, time_limit=time_limit_of(still),
     )  # fmt: skip
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -43,7 +44,35 @@ def reporting_errors(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def warn(message: str) -> None:
     """Say on stderr what is legal but suspicious."""
-    typer.echo(f"warning: {message}", err=True)
+    # Through a progress bar that is shown, which moves out of the way.
+    sys.stderr.write(f"warning: {message}\n")
+
+
+class Warnings:
+    """Says each warning on stderr, when it is first heard of.
+
+    Attributes
+    ----------
+    told : list of str
+    """
+
+    def __init__(self) -> None:
+        self.told: list[str] = []
+
+    def __call__(self, messages: Iterable[str]) -> None:
+        """Say those that are new."""
+        for message in messages:
+            if message not in self.told:
+                self.told.append(message)
+                warn(message)
+
+
+def warn_of(scene: Scene) -> None:
+    """Say on stderr all that is suspicious of a scene, what only compiling it tells too."""
+    from alight.compiled.suspicions import suspicions
+
+    for message in suspicions(scene):
+        warn(message)
 
 
 def note_unused(name: str, scene: Scene) -> None:

@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from alight.cli.reporting import warn
 from alight.cli.words import Quiet, spelling_of, takes_words
 from alight.options.resume import ResumeOptions
 
@@ -30,6 +29,7 @@ def resume(
     if not targets.outputs:
         targets = replace(targets, outputs=(file.with_suffix(".png"),))
     targets.check()
-    for warning in prepared.warnings(spelling_of(resume)):
-        warn(warning)
-    run_and_finish(prepared.render, targets, quiet=quiet, time_limit=options.time_limit)
+    run_and_finish(
+        prepared.render, targets, warnings=prepared.warnings(spelling_of(resume)), quiet=quiet,
+        time_limit=options.time_limit,
+    )  # fmt: skip

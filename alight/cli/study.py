@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from alight.cli.progress import Bar
-from alight.cli.reporting import INTERRUPTED
+from alight.cli.reporting import INTERRUPTED, Warnings
 from alight.cli.words import Quiet, takes_words
 from alight.options.laboratory import StudyOptions
 
@@ -64,9 +64,11 @@ class StudyBar(Bar):
     def __init__(self, quiet: bool) -> None:
         super().__init__(quiet)
         self._total: float | None = None
+        self._warns = Warnings()
 
     def __call__(self, progress: StudyProgress) -> None:
-        """Show how far the study is."""
+        """Show how far the study is, and say what is suspicious of its scenes."""
+        self._warns(progress.warnings)
         if progress.total != self._total:
             # Another phase: its speed says nothing about the last one's.
             self._bar.remove_task(self._task)

@@ -78,7 +78,8 @@ class CompiledScene:
     stats : dict
         Counts, bytes and seconds of the acceleration structure.
     warnings : tuple of str
-        What is legal but suspicious.
+        All that is legal but suspicious: what the description tells, what had to be changed in
+        pictures, and what only a compiled scene tells.
     small_view : SmallView or None
         Of integrators that want a guide: where its training starts.
     guide : Guide or None
@@ -223,6 +224,7 @@ def compile_scene(
         ball=space.ball,
         warnings=(
             *flat.warnings,
+            *flat.notes,
             *suspicious_bodies(given),
             *suspicious_contacts(flat, origin),
             *suspicious_sizes(flat, shapes),

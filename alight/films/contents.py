@@ -48,6 +48,16 @@ def aov_planes(film: Film) -> dict[str, np.ndarray]:
     return found
 
 
+def warnings_of(film: Film) -> list[str]:
+    """What is suspicious of the scene, and what went wrong while rendering; see `alight.info`."""
+    found = list(film.stats.get("warnings", ()))
+    if film.invalid:
+        found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
+    if film.saturated:
+        found.append(f"{film.saturated} sample values were cut to 2^36")
+    return found
+
+
 def provenance_of(film: Film) -> dict[str, Any]:
     """What a film is a picture of, and how it was made."""
     return {

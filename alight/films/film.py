@@ -84,7 +84,7 @@ class Film:
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
-        Times and rates, filled in by the renderer.
+        Times, rates and warnings, filled in by the renderer.
     lock : threading.RLock
         Held while tiles are added, and while planes are read that belong together.
 
@@ -344,10 +344,8 @@ class Film:
         assert known.error is not None
         return known.error, known.unsure
 
-    @property
-    def provenance(self) -> dict[str, Any]:
-        """What this is a picture of, and how it was made."""
-        return contents.provenance_of(self)
+    provenance = property(contents.provenance_of)
+    warnings = property(contents.warnings_of)
 
     # ------------------------------------------------------------------------------ output
 
@@ -362,7 +360,7 @@ class Film:
         ----------
         path : path
             ``.exr .png .jpg .npy .hdr .pfm``; EXR also keeps the error, the AOVs and provenance.
-            ``.alight`` keeps all sums, exactly: see `load`.
+            ``.alight`` keeps all sums, exactly: see `load`. It is no checkpoint to resume from.
         **display
             `exposure`, `white_balance`, `tone_map`, `bits`: see `alight.outputs.write_image`.
 
@@ -395,6 +393,8 @@ class Film:
         return notebook.html_of(self)
 
     def __repr__(self) -> str:
-        """Say size, samples and replicates."""
+        """Say size, samples and replicates, and that there are warnings."""
         _, _, w, h = self.crop
-        return f"<Film {w}x{h}, {self.spp:g} spp, {self.replicates} replicates>"
+        count = len(self.warnings)
+        told = f", {count} warning{'s' * (count > 1)}" if count else ""
+        return f"<Film {w}x{h}, {self.spp:g} spp, {self.replicates} replicates{told}>"

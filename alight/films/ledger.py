@@ -41,8 +41,7 @@ class Bias(NamedTuple):
             return self.text
         if not self.effect and not self.error:
             return f"{self.text}: no effect seen"
-        doubt = "" if self.error is None else f" ± {100 * self.error:.2g} %"
-        return f"{self.text}: {100 * self.effect:+.2g} %{doubt} of the light"
+        return f"{self.text}: {_measured(100.0 * self.effect, self.error)} % of the light"
 
     def relative(self, mean: float) -> Self:
         """From a change of radiance to a share of what `mean` would be without it."""
@@ -66,6 +65,20 @@ class Bias(NamedTuple):
 
 def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _measured(percent: float, error: float | None) -> str:
+    """A change in percent with its standard error, a share, to the same decimals."""
+    if not error:
+        shown = f"{percent:+.2g}" + ("" if error is None else " ± 0")
+    else:
+        # Two digits of the error: more of the value would say nothing.
+        decimals = max(0, 1 - math.floor(math.log10(100.0 * error)))
+        value, sign = round(percent, decimals), "+"
+        if not value:
+            value, sign = 0.0, ""
+        shown = f"{value:{sign}.{decimals}f} ± {100.0 * error:.{decimals}f}"
+    return shown.replace("-", "−")
 
 
 def counted(invalid: int, saturated: int, samples: int) -> tuple[Bias, ...]:

@@ -23,15 +23,18 @@ def png_of(film: Film, display: Display | None = None) -> bytes:
 
 
 def html_of(film: Film, display: Display | None = None) -> str:
-    """Show the picture with size, samples, error and what went wrong."""
+    """Show the picture with size, samples, error, and what is suspicious or went wrong."""
     picture = base64.b64encode(png_of(film, display)).decode("ascii")
     _, _, w, h = film.crop
     facts = [f"{w} × {h} pixels", f"{film.spp:g} samples per pixel"]
     error = film.relmse_estimate().relrmse.value
     facts.append("error unknown" if math.isnan(error) else f"relative error {error:.2%}")
-    if film.invalid:
-        facts.append(f"{film.invalid} invalid samples")
-    if film.saturated:
-        facts.append(f"{film.saturated} saturated values")
     line = html.escape(", ".join(facts))
-    return f'<img alt="{line}" src="data:image/png;base64,{picture}"><br><small>{line}</small>'
+    shown = f'<img alt="{line}" src="data:image/png;base64,{picture}"><br><small>{line}</small>'
+    return shown + html_of_warnings(film)
+
+
+def html_of_warnings(film: Film) -> str:
+    """List what is suspicious or went wrong; nothing where nothing is."""
+    items = "".join(f"<li>{html.escape(text)}</li>" for text in film.warnings)
+    return f"<small>Warnings<ul>{items}</ul></small>" if items else ""

@@ -9,7 +9,7 @@ run.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -159,7 +159,10 @@ def _measured(session: Session, scene: SceneSpec, setup: _Setup, chosen: str) ->
         reference_variance=reference.variance,
         arms=results,
         crops=[list(crop) for crop in scene.crops] if not session.quick else [],
-        notes=_notes(results, set().union(*(store.processors(plan.key) for plan in plans))),
+        notes=[
+            *_warnings(setup.arms),
+            *_notes(results, set().union(*(store.processors(plan.key) for plan in plans))),
+        ],
     )
 
 
@@ -191,7 +194,13 @@ def _compiled(session: Session, scene: SceneSpec) -> dict[str, Arm]:
         session.seconds["load"] += arm.load_seconds
         session.seconds["compile"] += arm.compile_seconds
         arms[spec.name] = arm
+    session.progress(StudyProgress(f"{scene_name(scene)}: compiled", warnings=_warnings(arms)))
     return arms
+
+
+def _warnings(arms: Mapping[str, Arm]) -> tuple[str, ...]:
+    """What is suspicious of the scenes of all arms, each once."""
+    return tuple(dict.fromkeys(text for arm in arms.values() for text in arm.compiled.warnings))
 
 
 def _pilot(session: Session, arm: Arm, ladder: Sequence[int]) -> Pilot:

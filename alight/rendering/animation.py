@@ -131,8 +131,8 @@ class Animation:
         Of the frames.
     current : int
         Number of the frame that is rendered now, or that is next.
-    notes : dict of str to None
-        What was changed in pictures and what is suspicious, of all frames so far, each once.
+    warnings : dict of str to None
+        Those of all frames so far, each once.
     """
 
     def __init__(self, scene: Any, options: AnimationOptions) -> None:
@@ -153,7 +153,7 @@ class Animation:
         self.single = single.with_loaded_scene()
         #: By frame: threads are done in any order.
         self._kept: dict[int, list[Path]] = {}
-        self.notes: dict[str, None] = {}
+        self.warnings: dict[str, None] = {}
         self.threads = single.threads or usable_processors()
         self._stop = _Stop(options.cancel)
         self._pace: dict[str, int] = {}
@@ -257,7 +257,7 @@ class Animation:
         if self._stop.is_set():
             raise _CancelledError
         self._note_pace(film)
-        self.notes.update(dict.fromkeys(film.stats["notes"]))
+        self.warnings.update(dict.fromkeys(film.warnings))
         picture = film.picture(layers=any(format_of(path).KEEPS_LAYERS for path in missing))
         picture = replace(picture, attributes={**picture.attributes, FRAME: label})
         for path in missing:

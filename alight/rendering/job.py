@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -50,8 +50,8 @@ class Progress:
         Samples of all pixels; the total is 0 where a time limit or a rule decides.
     seconds : float
         Of rendering, those before a resumed checkpoint too.
-    film : Film or None
-        May be read at any time.
+    film : Film
+        May be read at any time; while kernels are compiled it has no samples, but its warnings.
     note : str
         About who renders, where it is not this process.
     """
@@ -60,7 +60,7 @@ class Progress:
     done_samples: int
     total_samples: int
     seconds: float
-    film: Film | None
+    film: Film
     note: str = ""
 
 
@@ -104,8 +104,6 @@ class Job:
     seed, threads, replicates : int
     largest_sample : float, optional
         Bound of a sample's value, for its films.
-    notes : sequence of str
-        What had to be changed in the scene's pictures.
     training : Training, optional
         Of the scene's guide.
     look_behind_glass : callable, optional
@@ -132,11 +130,10 @@ class Job:
         threads: int,
         replicates: int,
         largest_sample: float | None = None,
-        notes: Sequence[str] = (),
         training: Training | None = None,
         look_behind_glass: Callable[[], np.ndarray | None] = lambda: None,
     ) -> None:
-        self.notes, self.training = list(notes), training
+        self.training = training
         self._look_behind_glass = look_behind_glass
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
@@ -246,7 +243,10 @@ class Job:
     @property
     def film(self) -> Film:
         """The picture so far."""
-        return self.schedule.picture(self.rounds)
+        film = self.schedule.picture(self.rounds)
+        # Who looks at a picture that grows shall know them as well as who sees it finished.
+        film.stats.setdefault("warnings", list(self.scene.warnings))
+        return film
 
     def progress(self, note: str = "") -> Progress:
         """How far the job is."""
@@ -264,7 +264,7 @@ class Job:
     def start(self, progress: Callable | None) -> None:
         """Compile the kernel (or read it from the cache) by rendering no sample of one tile."""
         if progress:
-            progress(Progress("compile", 0, 0, 0.0, None))
+            progress(Progress("compile", 0, 0, 0.0, self.film))
         self.kernels = make_kernels(self.scene)
         tile = self.tiles[0]
         nothing = np.zeros((*self.rounds[0].cells.shape, 2), np.int64)
@@ -359,7 +359,7 @@ class Job:
             "program": self.scene.program._asdict(),
             "accelerator": self.scene.stats,
             **({"guide": self.training.state()} if self.training else {}),
-            "notes": self.notes,
+            "warnings": list(self.scene.warnings),
             "biases": [bias.state() for bias in self.film.biases],
             "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},
         }

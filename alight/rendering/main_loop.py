@@ -131,14 +131,9 @@ def job_of(
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
         largest_sample=largest_sample(flat, compiled.program.light_tree),
-        notes=_notes_of(flat, compiled), training=training,
+        training=training,
         look_behind_glass=partial(light_behind_glass, flat, compiled),
     )  # fmt: skip
-
-
-def _notes_of(flat: FlatScene, compiled: CompiledScene) -> list[str]:
-    """What was changed in pictures, and what is suspicious that only the compiled scene tells."""
-    return [*flat.notes, *(text for text in compiled.warnings if text not in flat.warnings)]
 
 
 def run(

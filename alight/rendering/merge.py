@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from alight.core.errors import FilmError
+from alight.core.errors import FilmError, show_value
 from alight.films import Film, merging
 from alight.rendering.checkpoints.checkpoint import Stored, read_stored
 from alight.rendering.checkpoints.resume import listed
@@ -13,12 +13,16 @@ from alight.rendering.schedules.schedule import Schedule
 from alight.scene.content import differences
 
 
-def merge(*sources: Film | str | os.PathLike[str]) -> Film:
+#: What holds a film.
+Source = Film | str | os.PathLike[str]
+
+
+def merge(*sources: Source | Iterable[Source]) -> Film:
     """Make one film of the samples of all.
 
     Parameters
     ----------
-    *sources : Film or path
+    *sources : Film, path, or list of these
         Films, film files and checkpoints of one picture, with different samples
         (``first_sample``). The order does not matter.
 
@@ -34,7 +38,7 @@ def merge(*sources: Film | str | os.PathLike[str]) -> Film:
         options, seed, replicates, size, crop, channels or kernel fingerprint: the message names
         the films and what differs.
     """
-    parts = [_stored(source, number) for number, source in enumerate(sources, start=1)]
+    parts = [_stored(source, number) for number, source in enumerate(_each(sources), start=1)]
     if not parts:
         raise FilmError("nothing to merge: give at least one film")
     first = parts[0]
@@ -51,7 +55,19 @@ def merge(*sources: Film | str | os.PathLike[str]) -> Film:
     return _picture(first.schedule, rounds)
 
 
-def _stored(source: Film | str | os.PathLike[str], number: int) -> Stored:
+def _each(sources: Iterable[Source | Iterable[Source]]) -> Iterator[Source]:
+    """The films and paths, those in lists too."""
+    for number, source in enumerate(sources, start=1):
+        if isinstance(source, Film | str | os.PathLike):
+            yield source
+            continue
+        if not isinstance(source, Iterable):
+            text = f"must be a film, a path or a list of these, got {show_value(source)}"
+            raise FilmError(f"source {number} to merge {text}")
+        yield from _each(source)
+
+
+def _stored(source: Source, number: int) -> Stored:
     if isinstance(source, Film):
         return Stored(f"film {number}", [source], None, {})
     return read_stored(source)

@@ -69,16 +69,6 @@ def unsure_lines(share: float) -> list[str]:
     ]
 
 
-def warnings_of(film: Film) -> list[str]:
-    """Say what was changed in pictures, and what went wrong while rendering."""
-    found = list(film.stats.get("notes", ()))
-    if film.invalid:
-        found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
-    if film.saturated:
-        found.append(f"{film.saturated} sample values were cut to 2^36")
-    return found
-
-
 def statistics_of(
     film: Film,
     error: ErrorEstimate,

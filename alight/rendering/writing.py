@@ -21,12 +21,7 @@ from alight.films.storage import is_film_file, save_film
 from alight.outputs.atomic import check_folder
 from alight.outputs.display import Display
 from alight.outputs.image import check_writable, format_of, write_image
-from alight.rendering.summary import (
-    statistics_of,
-    summary_lines,
-    warnings_of,
-    write_json,
-)
+from alight.rendering.summary import statistics_of, summary_lines, write_json
 
 #: Part of the pixels with light that may be lost to white or to black before it is said.
 MOST_LOST = 0.5
@@ -143,15 +138,12 @@ class Outcome:
         From the first to the last.
     denoiser : list of Bias
         What the pictures have in the ledger beyond the film.
-    warnings : list of str
-        What was changed in pictures, and what went wrong while rendering.
     """
 
     film: Film
     targets: Targets
     seconds: float
     denoiser: list[Bias] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
 
     def __str__(self) -> str:
         """What the command line ends with."""
@@ -201,7 +193,7 @@ def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ())
     begin : float, seconds
         When the render began, by `time.perf_counter`.
     told : sequence of str, optional
-        Warnings of before, for ``stats``.
+        Warnings that the film does not know, for ``stats``.
 
     Raises
     ------
@@ -213,16 +205,17 @@ def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ())
             # Before pictures ask for one half of it.
             film.judged()
         denoiser = write_outputs(film, targets)
-        seconds, warnings = time.perf_counter() - begin, warnings_of(film)
+        seconds = time.perf_counter() - begin
         if targets.stats is not None:
-            outputs, found = list(targets.outputs), [*told, *warnings]
+            outputs = list(targets.outputs)
+            found = list(dict.fromkeys([*told, *film.warnings]))
             error, unsure = film.judged()
             share = float(unsure.mean())
             statistics = statistics_of(film, error, share, outputs, found, denoiser)
             write_json(targets.stats, statistics)
     except OutputError as error:
         raise OutputError(f"{error}\n{_rescue(film, targets)}") from error
-    return Outcome(film, targets, seconds, denoiser, warnings)
+    return Outcome(film, targets, seconds, denoiser)
 
 
 def write_outputs(film: Film, targets: Targets) -> list[Bias]:

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from alight.films import Film
-from alight.films.notebook import html_of
+from alight.films.notebook import html_of, html_of_warnings
 from alight.options.entry import takes
 from alight.options.render import RenderOptions
 from alight.rendering import Progress
@@ -74,7 +74,7 @@ class LiveFilm:
     Attributes
     ----------
     film : Film or None
-        As it is now; None before the first samples.
+        As it is now; None until its scene is compiled.
     is_done : bool
         Whether it has ended.
     """
@@ -130,7 +130,7 @@ class LiveFilm:
         """Show the picture as it is now."""
         said = f"<p>{html.escape(self._text)}</p>"
         if not self._has_samples:
-            return said
+            return said + (html_of_warnings(self.film) if self.film else "")
         return html_of(self.film, self._display) + (said if self._problem is not None else "")
 
     def _ipython_display_(self) -> None:
@@ -168,7 +168,7 @@ class LiveFilm:
 
     def _take(self, progress: Progress) -> None:
         """A report of the main loop."""
-        self.film = progress.film or self.film
+        self.film = progress.film
         own = self._prepared.options.progress
         if own is not None:
             own(progress)
@@ -207,7 +207,8 @@ class LiveFilm:
 
     def _tell(self, phase: str, share: float | None) -> None:
         if self._widget is not None:
-            self._widget.told = {"phase": phase, "share": share, "text": self._text}
+            told = {"phase": phase, "share": share, "text": self._text}
+            self._widget.told = told | {"warnings": self.film.warnings if self.film else []}
 
     def _show_still(self) -> None:
         """Put a static picture in the place of what cells show."""
@@ -223,7 +224,7 @@ def _share(progress: Progress, options: RenderOptions) -> float | None:
         shares.append(progress.done_samples / progress.total_samples)
     limits = (options.time_limit, options.max_time)
     shares += [progress.seconds / limit for limit in limits if isinstance(limit, float)]
-    if isinstance(options.error, float) and progress.film is not None:
+    if isinstance(options.error, float):
         error = progress.film.relmse_estimate(literature=False).relrmse.value
         # The square of the error falls as the samples grow.
         shares.append(0.0 if math.isnan(error) else (options.error / max(error, 1e-9)) ** 2)
@@ -232,7 +233,6 @@ def _share(progress: Progress, options: RenderOptions) -> float | None:
 
 def _words(progress: Progress, share: float | None) -> str:
     """Samples, error and the time that is left."""
-    assert progress.film is not None
     facts = [f"{progress.film.spp:.3g} spp"]
     error = progress.film.relmse_estimate(literature=False).relrmse.value
     if not math.isnan(error):

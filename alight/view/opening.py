@@ -24,13 +24,15 @@ def session_of(subject: str, options: ViewOptions) -> Session:
     AlightError
         For a file that is missing or broken, and for options of a render where nothing is rendered.
     """
-    against = None if options.against is None else read_layers(Path(options.against))
+    against, other = None, {}
+    if options.against is not None:
+        against, other = read_layers(Path(options.against)), {"rival": Path(options.against).name}
     if not is_film_or_picture(subject):
         scene = scene_of(subject, options)
-        session = Session(Path(subject).name, scene, options.of_render, against)
+        session = Session(Path(subject).name, scene, options.of_render, against, **other)
         session.origin = Origin(subject, options)
         return session
     for name in options.given():
         if name not in _OF_THE_PAGE:
             raise OptionError(f"{Path(subject).name} is no scene: nothing is rendered", name)
-    return Session(Path(subject).name, read_layers(Path(subject)), against=against)
+    return Session(Path(subject).name, read_layers(Path(subject)), against=against, **other)

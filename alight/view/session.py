@@ -30,6 +30,9 @@ from alight.view.protocol import RefusedError
 #: Words that change what is shown, not what there is.
 OF_THE_LOOK = (protocol.Show, protocol.Develop, protocol.Denoise, protocol.Contrast)
 
+#: Name of a picture that was kept to compare with.
+KEPT = "kept"
+
 
 @dataclass(frozen=True)
 class Look:
@@ -64,6 +67,8 @@ class Session:
         Of a scene.
     against : Layers, optional
         What is compared with.
+    rival : str
+        Its name.
 
     Attributes
     ----------
@@ -85,8 +90,11 @@ class Session:
         shown: Scene | Layers,
         options: RenderOptions | None = None,
         against: Layers | None = None,
+        *,
+        rival: str = KEPT,
     ) -> None:
-        self.title, self.look, self.against = title, Look(), against
+        self.title, self.look = title, Look()
+        self.against, self.rival = against, rival
         self.origin: Origin | None = None
         self.changed: Callable[[], None] = lambda: None
         self.live: LiveScene | None = None
@@ -127,6 +135,12 @@ class Session:
         """Whether nothing is added to the picture at the moment."""
         return self.live is None or self.live.phase in ("done", "stopped")
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is suspicious of the scene, and what went wrong in its film."""
+        of_scene = self.live.movable.compiled.warnings if self.live else ()
+        return tuple(dict.fromkeys([*of_scene, *(self.film.warnings if self.film else ())]))
+
     def state(
         self,
         error: ErrorEstimate | None,
@@ -166,6 +180,8 @@ class Session:
             "ways": {way: label_of_way(way) for way in ways()},
             "tone_maps": list(TONE_CURVES),
             "against": self.against is not None,
+            "rival": self.rival,
+            "warnings": list(self.warnings),
         }
         if film:
             found |= {"spp": film.spp, "replicates": film.replicates, "seed": film.seed}
@@ -193,7 +209,7 @@ class Session:
         if isinstance(event, OF_THE_LOOK):
             self._change_look(event)
         elif isinstance(event, protocol.Keep):
-            self.against = self._kept()
+            self.against, self.rival = self._kept(), KEPT
         elif isinstance(event, protocol.Drop):
             self.against = None
         elif self.live is None or self.editor is None:

@@ -31,7 +31,7 @@ class StubRender:
             aovs=dict.fromkeys(options.aovs, ("R", "G", "B")), seed=options.seed,
             scene_hash="stub",
         )  # fmt: skip
-        progress(Progress("compile", 0, 0, 0.0, None))
+        progress(Progress("compile", 0, 0, 0.0, film))
         self.during.get("compile", lambda: None)()
         self.compiled = True
         progress(Progress("render", 0, 0, 0.0, film))

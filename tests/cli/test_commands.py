@@ -171,6 +171,8 @@ def test_an_unwritable_cache_is_said(monkeypatch, tmp_path):
 
 
 class FilmOfKnownError:
+    warnings = ()
+
     def relmse_estimate(self, literature=True):
         class Estimate:
             class relrmse:
@@ -187,7 +189,7 @@ def shown(bar):
 def test_progress_shows_rate_and_error(monkeypatch):
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     bar = ProgressBar()
-    bar(Progress("compile", 0, 0, 0.0, None))
+    bar(Progress("compile", 0, 0, 0.0, FilmOfKnownError()))
     assert shown(bar)[0] == "compiling kernels (first run only)"
     bar(Progress("render", 3_000_000, 12_000_000, 2.0, FilmOfKnownError()))
     assert shown(bar) == ("rendering", 3e6, 12e6, "1.50 Msamples/s", "error 12.5%")
@@ -198,7 +200,7 @@ def test_a_pipe_is_told_in_one_line_that_compiling_takes_long(monkeypatch, capfd
     for quiet in (False, True):
         with ProgressBar(quiet) as bar:
             for _ in range(2):
-                bar(Progress("compile", 0, 0, 0.0, None))
+                bar(Progress("compile", 0, 0, 0.0, FilmOfKnownError()))
                 if not quiet:
                     bar._timer.join()
                 bar(Progress("render", 1, 2, 0.1, FilmOfKnownError()))
@@ -207,7 +209,7 @@ def test_a_pipe_is_told_in_one_line_that_compiling_takes_long(monkeypatch, capfd
 
 def test_a_pipe_is_not_told_of_kernels_that_are_there(capfd):
     with ProgressBar() as bar:
-        bar(Progress("compile", 0, 0, 0.0, None))
+        bar(Progress("compile", 0, 0, 0.0, FilmOfKnownError()))
         timer = bar._timer
         bar(Progress("render", 1, 2, 0.1, FilmOfKnownError()))
         timer.join()

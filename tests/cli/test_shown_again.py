@@ -10,6 +10,7 @@ import alight
 from alight.cli.main import app
 from alight.cli.progress import ProgressBar
 from alight.cli.scenes import entry
+from alight.films import Film
 from alight.outputs.image import write_image
 from alight.outputs.picture import Picture
 from alight.rendering import Progress
@@ -105,7 +106,7 @@ def test_a_scene_fits_the_terminal(columns):
 def test_the_bar_is_never_squeezed_to_nothing(monkeypatch, columns):
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     bar = ProgressBar()
-    bar(Progress("render", 12_000_000, 12_000_000, 2.0, None))
+    bar(Progress("render", 12_000_000, 12_000_000, 2.0, Film(2, 2)))
     console = Console(width=columns, force_terminal=True)
     with console.capture() as captured:
         console.print(bar._bar.get_renderable())

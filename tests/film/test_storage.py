@@ -8,6 +8,7 @@ import os
 import numpy as np
 import pytest
 
+import alight
 from alight.core.errors import AlightError, FilmError, OutputError
 from alight.films import Film, PartialFilm, archive
 from alight.films.archive import read_archive, write_archive
@@ -55,6 +56,19 @@ def test_saved_films_merge_as_films_do(tmp_path):
     assert_same(Film.merge(loaded, second), Film.merge(second, first))
     with pytest.raises(FilmError, match="samples 0 to 5 are in film 1 too"):
         Film.merge(first, loaded)
+
+
+def test_a_list_of_films_and_files_merges_as_its_items_do(tmp_path):
+    first, second, third = film_of(0, 6), film_of(6, 3), film_of(9, 3)
+    path = first.save(tmp_path / "a.alight")
+    whole = alight.merge(first, second, third)
+    assert_same(alight.merge([path, second, third]), whole)
+    assert_same(alight.merge(second, (one for one in (str(path), third))), whole)
+    for wrong in (3, None, [path, 3]):
+        with pytest.raises(FilmError, match="must be a film, a path or a list of these, got"):
+            alight.merge(wrong)
+    with pytest.raises(FilmError, match="nothing to merge"):
+        alight.merge([])
 
 
 def test_arrays_of_every_type_and_shape_come_back(tmp_path):

@@ -204,4 +204,20 @@ def test_cycles_rule_is_recorded_with_its_effect():
 
 def test_a_bias_that_was_not_seen_has_no_sign():
     assert Bias("depth cap", "x", -0.0, 0.0).line == "x: no effect seen"
-    assert Bias("depth cap", "x", 0.0, 0.01).line == "x: +0 % ± 1 % of the light"
+    assert Bias("depth cap", "x", 0.0, 0.01).line == "x: 0.0 ± 1.0 % of the light"
+    assert Bias("depth cap", "x", -1e-6, 0.01).line == "x: 0.0 ± 1.0 % of the light"
+
+
+@pytest.mark.parametrize(
+    ("effect", "error", "said"),
+    [
+        (-0.01, 0.0011, "−1.00 ± 0.11"),
+        (0.1234, 0.02, "+12.3 ± 2.0"),
+        (-0.5, 0.25, "−50 ± 25"),
+        (-0.5, 3.0, "−50 ± 300"),
+        (0.02, None, "+2"),
+        (-0.02, 0.0, "−2 ± 0"),
+    ],
+)
+def test_a_bias_and_its_error_have_the_same_decimals(effect, error, said):
+    assert Bias("depth cap", "x", effect, error).line == f"x: {said} % of the light"

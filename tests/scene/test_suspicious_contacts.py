@@ -99,7 +99,7 @@ def test_renders_say_so():
     cubes = {"a": node([0, 0, 0]), "b": node([2, 0, 0])}
     environment, film = {"type": "constant"}, {"size": [2, 2]}
     scene = alight.load({"camera": {}, "environment": environment, "film": film, "nodes": cubes})
-    (text,) = alight.render(scene, spp=1).stats["notes"]
+    (text,) = alight.render(scene, spp=1).warnings
     assert "have faces in one place" in text
 
 
@@ -110,5 +110,5 @@ def test_animations_say_so_once(tmp_path):
     asked = {"output": str(tmp_path / "a####.png"), "frames": "0:2", "turntable": True, "spp": 1}
     made = Animation(scene, AnimationOptions(**asked))
     made.render()
-    (text,) = made.notes
+    (text,) = made.warnings
     assert "have faces in one place" in text

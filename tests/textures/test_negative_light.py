@@ -58,7 +58,7 @@ def test_info_and_renders_say_it(picture, tmp_path):
     said = '"sky.npy": 1 of 32 texels hold negative light (down to -1)'
     assert said in CliRunner().invoke(app, ["info", str(scene)]).output
     film = alight.render(scene, spp=1, seed=1)
-    assert [note.startswith(said) for note in film.stats["notes"]] == [True]
+    assert [note.startswith(said) for note in film.warnings] == [True]
     out = tmp_path / "a.png"
     options = ["--spp", "1", "--size", "8x8", "-o", str(out)]
     assert said in CliRunner().invoke(app, ["render", str(scene), *options]).output

@@ -5,8 +5,10 @@ Skipped where there is no Playwright or no Chromium.
 
 import re
 
+import numpy as np
 import pytest
 
+from alight.outputs.image import write_image
 from tests.view.browsing import (
     CHROMIUM,
     SETTLED,
@@ -187,6 +189,24 @@ def test_a_click_focuses_and_the_command_of_the_picture_can_be_copied(browser):
         page.wait_for_selector("#of-command", state="hidden")
         page.keyboard.press("g")
         assert page.get_attribute("#focus", "aria-pressed") == "true"
+        assert not errors
+
+
+def test_two_pictures_are_named_and_compared(browser, tmp_path):
+    for name, value in (("a.png", 0.2), ("b.png", 0.4)):
+        write_image(tmp_path / name, np.full((6, 8, 3), value, np.float32))
+    with served(str(tmp_path / "a.png"), "--against", str(tmp_path / "b.png")) as address:
+        page, errors = opened(browser, address)
+        assert page.get_attribute("[role=tab] >> text=Display", "aria-selected") == "true"
+        assert (page.inner_text("#rival"), page.inner_text("#here")) == (
+            "left: b.png",
+            "right: a.png",
+        )
+        # The button that folds the panel stays at the edge, though there is no progress to show.
+        button = page.locator("#fold").bounding_box()
+        assert button["x"] + button["width"] > 1180
+        page.select_option("#way", "difference")
+        until(page, "document.getElementById('differs').innerText.includes('MSE 49')")
         assert not errors
 
 

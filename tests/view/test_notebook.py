@@ -48,7 +48,7 @@ def test_the_film_is_shown_at_the_end(has_widgets, cells, monkeypatch, tmp_path)
     assert "data:image/png" in last["text/html"] and "16 samples per pixel" in last["text/html"]
     assert last["text/plain"] == repr(live) == "<LiveFilm: done>"
     if has_widgets:
-        assert widget.told == {"phase": "done", "share": 1.0, "text": "done"}
+        assert widget.told == {"phase": "done", "share": 1.0, "text": "done", "warnings": []}
         picture, width, height, _ = np.frombuffer(widget.frame[:16], np.uint32)
         assert (picture, width, height) == (0, 24, 24)
         rgba = np.frombuffer(widget.frame[16:], np.uint8).reshape(24, 24, 4)

@@ -201,8 +201,10 @@ def test_what_makes_no_sense_is_refused_and_changes_nothing():
         assert session.look == before
     session.apply(protocol.Develop(1.0, "aces", "3200K"))
     assert session.look.display.exposure == 1.0
+    session.rival = "other.png"
     session.apply(protocol.Keep())
     assert session.against is session.layers
+    assert session.state(None, None)["rival"] == "kept"
     session.apply(protocol.Drop())
     assert session.against is None
 

@@ -23,11 +23,14 @@ class StudyProgress:
         What is being done.
     done, total : float
         CPU seconds of rendering in the present phase; the total is 0 where it is not known.
+    warnings : tuple of str
+        What is suspicious of the scenes of all arms that are compiled.
     """
 
     text: str
     done: float = 0.0
     total: float = 0.0
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass

@@ -47,6 +47,7 @@ class StudyReport:
             for head, heads, rows in (scene_table(scene) for scene in result.scenes)
         ]
         for scene in result.scenes:
+            parts.append(html.preformatted(scene.notes))
             pictures = [(arm.label, arm.images.example) for arm in scene.arms]
             pictures.append(("reference", scene.reference_image))
             parts.append("".join(html.figure(image, label) for label, image in pictures))
@@ -161,4 +162,4 @@ def _scene_lines(scene: SceneResult) -> list[str]:
     lines = [head, f"  {heads[0]:<{width}}  {heads[1]:<22} {heads[2]:<8} relMSE    slope  mean"]
     for label, speedup, p, error, slope, verdict in rows:
         lines.append(f"  {label:<{width}}  {speedup:<22} {p:<8} {error:<9} {slope}  {verdict}")
-    return lines
+    return [*lines, *(f"  note: {note}" for note in scene.notes)]

@@ -142,8 +142,5 @@ def fitted(size: tuple[int, int], tile: tuple[int, int]) -> tuple[int, int]:
 
 
 def _approximated(scene: Scene, film: Film) -> tuple[str, ...]:
-    """Remarks of the reader and warnings of the scene, each once; what went wrong in the render."""
-    found = [*scene.source.remarks.warnings, *scene.warnings]
-    if film.invalid:
-        found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
-    return tuple(dict.fromkeys(found))
+    """Remarks of the reader, and warnings of the scene and its render, each once."""
+    return tuple(dict.fromkeys([*scene.source.remarks.warnings, *film.warnings]))

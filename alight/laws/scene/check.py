@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from alight.compiled.displacement import displaced
 from alight.compiled.scene import compile_scene
+from alight.compiled.suspicions import suspicions
 from alight.core.spec import Bsdf
 from alight.integrators.contributions import can_record
 from alight.laws.scene.dump import write_failures
@@ -94,13 +95,14 @@ def check_scene(
         If the scene cannot be rendered, or a part has no such name.
     """
     CheckOptions.of({"only": only})
-    return Verdict(tuple(_findings(scene, seed, only, progress)), level)
+    progress("reading the scene")
+    told = suspicions(scene)
+    return Verdict(tuple(_findings(scene, seed, only, progress)), level, told)
 
 
 def _findings(
     scene: Scene, seed: int, only: Sequence[str], say: Callable[[str], None]
 ) -> Iterator[Finding]:
-    say("reading the scene")
     flat = displaced(flatten(small(scene, integrator_of(scene))))
     compiled = compile_scene(flat, structure="list")
     if "materials" in only:

@@ -52,10 +52,13 @@ class Verdict:
     findings : tuple of Finding
     level : float
         Probability that a scene without a bug fails.
+    warnings : tuple of str
+        What is legal but suspicious of the scene.
     """
 
     findings: tuple[Finding, ...]
     level: float
+    warnings: tuple[str, ...] = ()
 
     @property
     def corrected(self) -> tuple[float | None, ...]:
@@ -136,7 +139,8 @@ class Verdict:
             for finding, image in self.pictures()
         ]
         heads = ("", "p", "part", "law", "detail")
-        return html.division(html.table(self._rows(), heads, self._sum()), *shown)
+        table = html.table(self._rows(), heads, self._sum())
+        return html.division(html.preformatted(self.warnings), table, *shown)
 
 
 def adjusted_by_holm(p_values: list[float]) -> list[float]:

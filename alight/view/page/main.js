@@ -27,6 +27,8 @@ const connection = new Connection({
   },
   state(message) {
     if (message.number !== state.number) picture.mark(null);
+    // Who opens two pictures wants to compare them.
+    if (message.against && message.kind !== "scene" && !state.title) tabs.open("Display");
     state = message;
     picture.resize(state.size);
     picture.compare(state.against, state.way, Boolean(state.contrast));
@@ -119,6 +121,11 @@ const ui = {
   },
   expose: (by) => ui.develop({ exposure: state.exposure + by }),
   compare: () => send(state.against ? "drop" : "keep"),
+  warnings() {
+    if (document.body.classList.contains("folded")) ui.fold();
+    tabs.open("Render");
+    $("of-warnings").scrollIntoView();
+  },
   fold() {
     const isFolded = document.body.classList.toggle("folded");
     $("fold").setAttribute("aria-expanded", !isFolded);
@@ -130,7 +137,7 @@ listenToKeys(ui);
 
 for (const [id, action] of Object.entries({
   more: () => send("more"), stop: () => send("stop"), keep: () => send("keep"),
-  drop: () => send("drop"), fold: ui.fold, reset: ui.reset,
+  drop: () => send("drop"), fold: ui.fold, warned: ui.warnings, reset: ui.reset,
   narrow: () => ui.widen(-0.1), wide: () => ui.widen(0.1),
   "roll-left": () => ui.roll(-0.1), "roll-right": () => ui.roll(0.1),
 })) $(id).addEventListener("click", action);

@@ -11,7 +11,9 @@ function render({ model, el }) {
   stop.textContent = "Stop";
   bar.setAttribute("aria-label", "Progress");
   line.append(stop, bar, text);
-  el.append(canvas, line);
+  const warnings = document.createElement("ul");
+  warnings.style.fontSize = "smaller";
+  el.append(canvas, line, warnings);
 
   const show = () => {
     const bytes = model.get("frame");
@@ -24,6 +26,12 @@ function render({ model, el }) {
     const told = model.get("told");
     text.textContent = told.text ?? "";
     canvas.setAttribute("aria-label", told.text ?? "");
+    warnings.hidden = !told.warnings?.length;
+    warnings.replaceChildren(...(told.warnings ?? []).map((warning) => {
+      const item = document.createElement("li");
+      item.textContent = `Warning: ${warning}`;
+      return item;
+    }));
     stop.hidden = bar.hidden = told.phase === "done";
     if (told.share === null || told.share === undefined) bar.removeAttribute("value");
     else bar.value = told.share;

@@ -26,6 +26,18 @@ function list(element, pairs) {
   }));
 }
 
+function items(element, texts) {
+  const key = texts.join("\n");
+  // A list that is read aloud is left alone while it stays the same.
+  if (element.dataset.items === key) return;
+  element.dataset.items = key;
+  element.replaceChildren(...texts.map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+}
+
 // `ask` asks for the command of the picture.
 export function makePanel(ask) {
   list($("keys"), HELP);
@@ -38,6 +50,7 @@ export function makePanel(ask) {
     $("of-render").hidden = state.kind === "picture";
     $("of-camera").hidden = state.kind !== "scene";
     $("of-error").hidden = state.kind === "picture";
+    showWarnings(state.warnings);
     showPhase(state);
     showError(state);
     showRender(state);
@@ -63,6 +76,13 @@ export function makePanel(ask) {
       if (state.kind === "scene") $("saves").append(button("Command", ask));
     }
   };
+}
+
+function showWarnings(warnings) {
+  const count = warnings.length;
+  $("of-warnings").hidden = $("warned").hidden = !count;
+  $("warned").textContent = `${count} warning${count === 1 ? "" : "s"}`;
+  items($("warnings"), warnings);
 }
 
 function link(name) {
@@ -106,13 +126,19 @@ function showContrast(state) {
   $("of-split").hidden = !state.against || !isSplit;
   $("of-contrast").hidden = !state.against || isSplit;
   fill($("way"), Object.keys(state.ways), state.way, (way) => state.ways[way]);
-  if (isSplit || !state.against) return;
-  const isMetric = !["divider", "difference"].includes(state.way), told = isMetric ? figure : percent;
-  $("differs").textContent = contrast
-    ? isMetric ? `mean ${state.ways[state.way]} ${figure(contrast.mean)}` : `root of the relative MSE ${percent(contrast.mean)}`
-    : state.differs ?? "";
-  $("contrast-low").textContent = contrast ? told(contrast.low) : "";
-  $("contrast-high").textContent = contrast ? told(contrast.high) : "";
+  $("rival").textContent = `left: ${state.rival}`;
+  $("here").textContent = `right: ${state.kind === "scene" ? "now" : state.title}`;
+  const told = $("differs");
+  if (isSplit || !state.against) return delete told.dataset.way;
+  const isMetric = state.way !== "difference", write = isMetric ? figure : percent;
+  // While the next one is worked out, that of a moment ago stays.
+  if (!contrast && !state.differs && told.dataset.way === state.way) return;
+  told.dataset.way = contrast ? state.way : "";
+  told.textContent = !contrast ? state.differs ?? "being worked out …"
+    : isMetric ? `mean ${state.ways[state.way]} ${figure(contrast.mean)}`
+      : `root of the relative MSE ${percent(contrast.mean)}`;
+  $("contrast-low").textContent = contrast ? write(contrast.low) : "";
+  $("contrast-high").textContent = contrast ? write(contrast.high) : "";
 }
 
 function showPhase(state) {
@@ -135,7 +161,7 @@ function showPhase(state) {
 function showError(state) {
   const [value, low, high] = state.error ?? [null, null, null];
   $("error").textContent = value === null ? "–" : percent(value);
-  $("interval").textContent = value === null ? "unknown as yet"
+  $("interval").textContent = value === null ? unknown(state)
     : high === null ? "relRMSE or more: an interval takes 4 replicates"
     : `relRMSE, ${state.promised ? "95 % interval " : ""}${percent(low)} to ${percent(high)}`
       + (state.promised ? "" : " (not promised: pixels share paths)");
@@ -144,11 +170,11 @@ function showError(state) {
   $("promise").textContent = word;
   $("promise").className = `chip ${word === "met" ? "met" : word.startsWith("not") ? "missed" : ""}`;
   $("verdict").textContent = state.line ?? "";
-  $("biases").replaceChildren(...(state.biases ?? []).map((line) => {
-    const item = document.createElement("li");
-    item.textContent = line;
-    return item;
-  }));
+  items($("biases"), state.biases ?? []);
+}
+
+function unknown({ replicates, spp }) {
+  return replicates > spp ? `unknown below ${replicates} samples per pixel` : "unknown as yet";
 }
 
 function showRender(state) {
