@@ -13,17 +13,20 @@ from alight.scene.flatten import FlatScene
 
 
 def boxes_of_casters(flat: FlatScene) -> NDArray[np.float64]:
-    """The boxes around shapes at rest that are mirrors or clear glass, and finite.
+    """The boxes around shapes that are mirrors or clear glass, and finite.
 
     Returns
     -------
     (n, 6) float64, metres
-        Lower and upper corner.
+        Lower and upper corner; of what moves, while the shutter is open.
     """
     bright = [is_caster(bsdf) for bsdf in flat.bsdfs]
-    found = [box_of(flat, placed) for placed in flat.shapes if bright[placed.bsdf]]
-    rows = [np.concatenate(box) for box in found if box is not None]
-    return np.array([row for row in rows if np.isfinite(row).all()], float).reshape(-1, 6)
+    rows = []
+    for placed in flat.shapes:
+        box = box_of(flat, placed) if bright[placed.bsdf] else None
+        if box is not None and np.isfinite(box).all():
+            rows.append(np.concatenate(placed.motion.bounds(*box) if placed.motion else box))
+    return np.array(rows, float).reshape(-1, 6)
 
 
 def is_caster(bsdf: Bsdf) -> bool:

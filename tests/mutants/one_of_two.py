@@ -125,7 +125,7 @@ ONE_OF_TWO = (
     Mutant(
         "casters that are infinite along one axis",
         "compiled/casters.py",
-        (("np.isfinite(row).all()", "np.isfinite(row).any()"),),
+        (("np.isfinite(box).all()", "np.isfinite(box).any()"),),
         "tests/lights/test_targets.py::test_what_reaches_to_infinity_has_no_box_to_aim_at",
     ),
     Mutant(
