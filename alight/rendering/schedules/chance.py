@@ -24,7 +24,7 @@ _PILOT_DOUBT, _PILOT_EVENTS = 0.25, 64.0
 #: Light is rare if fewer replicates of a pixel than this share have met it.
 _RARE = 0.1
 
-#: Of the noise, that of the largest samples, which count.
+#: What brings this share of the noise are samples of that light, and not smaller ones.
 _MOST = 0.9
 
 
@@ -69,31 +69,32 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
     """
     if behind is None:
         return Chance()
-    n = counts.sum(axis=2)
-    pixels, samples = cell_sum(np.ones(n.shape)), cell_sum(n)
-    mean = (means * counts[..., None]).sum(axis=2) / np.maximum(n, 1)[..., None]
-    epsilon = (0.1 * float(mean.mean())) ** 2
-    cells, light = behind[:, 1].astype(int), behind[:, 2:5]
+    n, replicates = counts.sum(axis=2), counts.shape[2]
+    pixels, cells, light = cell_sum(np.ones(n.shape)), behind[:, 1].astype(int), behind[:, 2:5]
+    spp = (cell_sum(n) / pixels).ravel()[cells]
     # The last column of tables of earlier versions is q.
     rate = np.maximum(behind[:, -1], 1e-300)
-    spp = (samples / pixels).ravel()[cells]
-    # What no sample of a cell has met is a part of the true brightness.
-    unmet = light * np.exp(-samples.ravel()[cells] * behind[:, 5])[:, None]
-    points = behind[:, 0].astype(int)
-    missing = np.stack([np.bincount(points, part, POINTS) for part in unmet.T], axis=1)[points]
-    brightness = (cell_sum(mean) / pixels[..., None]).reshape(-1, 3)[cells] + missing
-    square = (light**2 / np.maximum(brightness**2 + epsilon, 1e-300)).mean(axis=1)
-    noise, size = square / (rate * np.maximum(spp, 1.0) * POINTS), np.sqrt(square) / rate
-    order = np.argsort(-size, kind="stable")
-    order = order[(rate * spp / counts.shape[2])[order] < _RARE]
-    if not noise[order].any():
+    rows = rate * spp < _RARE * replicates
+    if not light[rows].any():
         return Chance()
-    order = order[: np.searchsorted(np.cumsum(noise[order]), _MOST * noise[order].sum()) + 1]
+    points, cells, light = behind[rows, 0].astype(int), cells[rows], light[rows]
+    spp, rate = spp[rows], rate[rows]
+    sample = light.sum(axis=1) / rate
+    order = np.argsort(-sample)
+    most = np.cumsum((light.sum(axis=1) * sample)[order])
+    least = float(sample[order[np.searchsorted(most, _MOST * most[-1])]])
+    rest = without_samples(means, counts, least).mean(axis=2, dtype=np.float64)
+    # What samples have met of it is chance; what it adds on average is known.
+    added = np.stack([np.bincount(points, part, POINTS) for part in light.T], axis=1)[points]
+    brightness = (cell_sum(rest) / pixels[..., None]).reshape(-1, 3)[cells] + added
+    epsilon = (0.1 * float(means.mean())) ** 2
+    square = (light**2 / (brightness**2 + epsilon)).mean(axis=1)
+    noise, size = square / (rate * np.maximum(spp, 1.0) * POINTS), np.sqrt(square) / rate
+    order = np.argsort(-size)
     noise, rate, size = noise[order], rate[order], size[order]
     events = np.cumsum(rate) * float(n.sum()) / POINTS
     met = events[np.searchsorted(-size, -0.5 * size, side="right") - 1]
     told = noise, noise * np.exp(-met), noise * _PILOT_EVENTS / (_PILOT_EVENTS + met)
-    least = float((light[order].sum(axis=1) / rate).min())
     return Chance(*(float(part.sum()) for part in told), least)
 
 
