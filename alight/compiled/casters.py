@@ -13,18 +13,23 @@ from alight.scene.flatten import FlatScene
 
 
 def boxes_of_casters(flat: FlatScene) -> NDArray[np.float64]:
-    """The boxes around shapes at rest that are mirrors or clear glass, and finite.
+    """The boxes around shapes that are mirrors or clear glass, and finite.
 
     Returns
     -------
     (n, 6) float64, metres
-        Lower and upper corner.
+        Lower and upper corner; of what moves, while the shutter is open.
     """
-    return boxes_by_shape(flat)[0]
+    boxes, numbers = boxes_by_shape(flat)
+    for box, number in zip(boxes, numbers, strict=True):
+        motion = flat.shapes[number].motion
+        if motion:
+            box[:] = np.concatenate(motion.bounds(box[:3], box[3:]))
+    return boxes
 
 
 def boxes_by_shape(flat: FlatScene) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """`boxes_of_casters`, and the number of the shape of each in the scene, (n,) int."""
+    """Boxes of casters at rest, (n, 6), and the numbers of their shapes in the scene, (n,) int."""
     bright = [is_caster(bsdf) for bsdf in flat.bsdfs]
     found, numbers = [], []
     for number, placed in enumerate(flat.shapes):

@@ -79,7 +79,7 @@ class Film:
         No channel of a sample can be larger, where that is known.
     by_chance : bool
         Whether no path was led to a light: what no sample has met says nothing of itself then.
-    behind_glass : ndarray, shape (n, 6), or None
+    behind_glass : ndarray, shape (n, 7), or None
         Of `light_behind_glass`.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.

@@ -86,10 +86,11 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
 
     Returns
     -------
-    (n, 6) float64, or None where there is none
+    (n, 7) float64, or None where there is none
         A row is what a point of the picture sees in one direction: numbers of the point and of its
-        8x8 pixels of the window, radiance that it adds to the picture (linear RGB), and the
-        probability q of a sample to find it.
+        8x8 pixels of the window, radiance that it adds to the picture (linear RGB), the
+        probability q of a sample to find it, and the row's part r in the probability of all such
+        light: the radiance over r is what a sample brings that has found it.
     """
     if not is_looked_for(flat.bsdfs, scene):
         return None
@@ -101,16 +102,28 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     if len(seen.point) and glass.any():
         clear = glass & np.array([is_caster(bsdf) for bsdf in flat.bsdfs])
         rows = seen.some(np.repeat(np.arange(len(seen.point)), DIRECTIONS))
-        found, q = _arriving(pilot, clear, rows)
+        found, q, part = _arriving(pilot, clear, rows)
         radiance = found * rows.weight / DIRECTIONS
-        parts.append(np.column_stack([rows.point, rows.cell, radiance, q]))
+        parts.append(np.column_stack([rows.point, rows.cell, radiance, q, part / DIRECTIONS]))
     table = np.concatenate(parts)
     table = table[(table[:, 2:5] > 0.0).any(axis=1)]
     return table if len(table) else None
 
 
-def _arriving(pilot: Pilot, clear: np.ndarray, seen: Seen) -> tuple[np.ndarray, np.ndarray]:
-    """For a direction to a light at each point: radiance (n, 3) that comes through glass, and q."""
+def _arriving(
+    pilot: Pilot, clear: np.ndarray, seen: Seen
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """For a direction to a light at each point.
+
+    Returns
+    -------
+    radiance : (n, 3) float
+        That comes through glass.
+    q : (n,) float
+        Probability of a sample to find this light.
+    part : (n,) float
+        q over the probability with which this light was chosen: its mean is that of all lights.
+    """
     n, tables, twin = len(seen.point), pilot.at(seen.times), pilot.twin
     there = np.full(n, True)
     surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
@@ -128,9 +141,10 @@ def _arriving(pilot: Pilot, clear: np.ndarray, seen: Seen) -> tuple[np.ndarray, 
     value = columns_of(lanes_of(f_cos, n)) * columns_of(lanes_of(light.radiance, n))
     safe = np.where(lit, pdf, 1.0)
     radiance = np.where(lit[:, None], value / safe[:, None], 0.0)
-    seen_as = wide(choice.mis_pmf, n) / safe + spread
-    q = np.minimum(wide(density, n) * seen_as, 1.0)
-    return np.nan_to_num(radiance), np.where(lit, np.nan_to_num(q), 0.0)
+    chosen = wide(choice.mis_pmf, n).astype(np.float64)
+    seen_as = chosen / safe + spread
+    q = np.where(lit, np.nan_to_num(np.minimum(wide(density, n) * seen_as, 1.0)), 0.0)
+    return np.nan_to_num(radiance), q, q / np.where(chosen > 0.0, chosen, 1.0)
 
 
 def _through(

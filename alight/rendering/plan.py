@@ -5,6 +5,10 @@ logarithms (-1 for independent samples, steeper for better ones) is carried on t
 asked for; the interval holds the doubt about the slope, the distance between two looks of the stop
 rule, and that of the time per sample. The time is that of a start, of the samples, and of the looks
 of the rule, which in small pictures is most of it.
+
+Rare light that paths find by chance is told by the pilot that has looked for it
+(`alight.rendering.schedules.chance`) until enough samples have met it, and its noise is that of
+independent samples. Only the rest has the slope.
 """
 
 from __future__ import annotations
@@ -14,11 +18,14 @@ import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from statistics import NormalDist
 from typing import Any, ClassVar, Self
 
 from alight.core.errors import OptionError
 from alight.films import Film
+from alight.metrics.error_estimate import Figure
 from alight.metrics.estimate import Estimate
+from alight.metrics.own_error import estimate_relmse
 from alight.options.entry import takes
 from alight.options.laboratory import PlanOptions
 from alight.options.loading import scene_of
@@ -26,10 +33,17 @@ from alight.options.render import RenderOptions
 from alight.outputs import html
 from alight.rendering.main_loop import render_film
 from alight.rendering.resources import usable_processors
+from alight.rendering.schedules.chance import Chance, chance_noise, without_samples
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.schedules.selection import promise_of
 from alight.rendering.schedules.steering import check_replicates
-from alight.rendering.schedules.stopping import GROWTH, Promise, first_look, judge, next_look
+from alight.rendering.schedules.stopping import (
+    GROWTH,
+    Promise,
+    first_look,
+    judge_means,
+    next_look,
+)
 from alight.scene import Scene
 
 #: Samples per pixel of the pilot, in whole rounds of replicates.
@@ -43,6 +57,13 @@ _FLATTEST, _STEEPEST = 0.9, 2.0
 #: half-widths: of the time, beside what the pilot's passes differ by; of the stop rule's own noise.
 _SLOPE_DOUBT, _TIME_DOUBT, _RULE_DOUBT = 0.08, 0.25, 0.06
 
+#: What the rule asks for beyond the error, relative, once rare light has been met often: room for
+#: doubt, and for pixels that are darker than their surroundings.
+_RULE_MARGIN = 1.2
+
+#: A part of the noise from which on rare light counts as one.
+_LITTLE = 0.1
+
 
 @dataclass
 class Pilot(Schedule):
@@ -51,8 +72,15 @@ class Pilot(Schedule):
     Attributes
     ----------
     seen : list of (spp, relRMSE that is not exceeded at 84 % minus estimate in logarithms, relMSE)
+        Without rare light that paths find by chance.
     passes, looks : list of float
         Processor seconds of the samples between two looks, and of the looks.
+    need : float
+        Times the samples of the last look that the promise needs, without that light.
+    chance : Chance
+        Noise of that light at the last look.
+    met : float
+        relMSE of that light as the samples tell it.
     """
 
     promise: Promise
@@ -61,6 +89,8 @@ class Pilot(Schedule):
     looks: list[float] = field(default_factory=list)
     need: float = math.inf
     begin: float | None = None
+    chance: Chance = Chance()
+    met: float = 0.0
     name: ClassVar[str] = "pilot"
 
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
@@ -69,9 +99,8 @@ class Pilot(Schedule):
         check_replicates(film)
         if self.begin is not None:
             self.passes.append(now - self.begin)
-            self.need = judge(film, self.promise).factor
+            figure = self._look(film)
             self.looks.append(time.process_time() - now)
-            figure = film.relmse_estimate(literature=False).figure
             spread = math.log(math.sqrt(figure.quantile(0.841) / figure.value)) if (
                 figure.value > 0.0
             ) else 0.0  # fmt: skip
@@ -86,6 +115,19 @@ class Pilot(Schedule):
     def promises(self) -> bool:
         """It looks for what a promise depends on."""
         return True
+
+    def _look(self, film: Film) -> Figure:
+        """Look at a film, and give the error that other light than rare light brings."""
+        means, counts = film.replicate_means()
+        figure = film.relmse_estimate(literature=False).figure
+        self.chance, whole = chance_noise(means, counts, film.behind_glass), figure.value
+        if _LITTLE * whole < self.chance.noise:
+            means = without_samples(means, counts, self.chance.size)
+            figure = estimate_relmse(means, counts).figure
+        self.met = max(whole - figure.value, 0.0)
+        known = film.largest_sample, film.by_chance
+        self.need = judge_means(means, counts, self.promise, *known).factor
+        return figure
 
     def state(self) -> dict[str, Any]:
         """Nothing: a pilot is too short to be saved."""
@@ -197,14 +239,16 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
 def plan_of(pilot: Pilot, replicates: int) -> Plan:
     """Work out the cost from what a pilot has seen."""
     spp, _, relmse = pilot.seen[-1]
-    if relmse == 0.0:
+    if relmse + pilot.chance.noise == 0.0:
         first = float(first_look(replicates))
         seconds = _seconds(pilot, Estimate(first, first, first), replicates)
         return Plan(Estimate(first, first, first), seconds, Estimate(0.0, 0.0, 0.0), 0.0, spp)
     slope = _slope(pilot.seen)
-    # Times the pilot's samples that independent samples would need.
-    gap = math.log(pilot.need) if pilot.need > 1.0 else math.log(_gap(pilot))
-    needs = [spp * math.exp(gap / s) for s in slope]
+    doubt = 1.96 * pilot.chance.doubt
+    needs = [
+        spp * _times(pilot, s, math.exp(shift))
+        for s, shift in zip(slope, (0.0, doubt, -doubt), strict=True)
+    ]
     middle = needs[0] * math.sqrt(GROWTH)
     # On the way back, where the promise is kept already, a steeper slope leads to more samples.
     low = _look_after(min(needs) * (1.0 - _RULE_DOUBT), replicates)
@@ -212,7 +256,7 @@ def plan_of(pilot: Pilot, replicates: int) -> Plan:
     estimate = Estimate(min(max(middle, low), high), float(low), float(high))
     seconds = _seconds(pilot, estimate, replicates)
     shown = Estimate(-slope.value, -slope.high, -slope.low)
-    return Plan(estimate, seconds, shown, math.sqrt(relmse), spp)
+    return Plan(estimate, seconds, shown, math.sqrt(relmse + pilot.met), spp)
 
 
 def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
@@ -236,16 +280,49 @@ def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
     return Estimate(until(spp.value), until(spp.low) / doubt, until(spp.high) * doubt)
 
 
+def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
+    """Times the pilot's samples that the promise needs, with `rare` times the noise of rare light.
+
+    The rule asks of rare light what it asks of light met often; of all other noise, what it asks
+    of the pilot.
+    """
+    other = pilot.need if pilot.need > 1.0 else _gap(pilot)
+    rare *= _rare(pilot) * _margin(pilot.promise) / pilot.promise.error**2
+    times = max(rare + other, 1e-6)
+    # Convex in the logarithm of the samples, so that Newton's steps end on one side.
+    log = max(math.log(times), math.log(times) / slope)
+    for _ in range(50):
+        first, second = rare * math.exp(-log), other * math.exp(-slope * log)
+        log += (first + second - 1.0) / (first + slope * second)
+    return math.exp(log)
+
+
+def _rare(pilot: Pilot) -> float:
+    """relMSE of rare light: what was expected, and the more has met it, what the samples tell."""
+    noise = pilot.chance.noise
+    if noise == 0.0:
+        return 0.0
+    known = pilot.chance.piloted / noise
+    return noise**known * max(pilot.met, 0.1 * noise) ** (1.0 - known)
+
+
 def _gap(pilot: Pilot) -> float:
     """The pilot's relMSE over the one that is asked for, where the promise is already kept."""
     return max(pilot.seen[-1][2] / pilot.promise.error**2, 1e-6)
+
+
+def _margin(promise: Promise) -> float:
+    """Squared error that is allowed, over the relMSE at which the rule ends."""
+    if promise.metric == "relrmse":
+        return _RULE_MARGIN**2
+    return NormalDist().inv_cdf(0.5 + 0.5 * min(promise.share, 0.9999)) ** 2
 
 
 def _slope(seen: Sequence[tuple[int, float, float]]) -> Estimate:
     """Slope with its interval, from the first and the last point."""
     (n0, spread0, e0), (n1, spread1, e1) = seen[0], seen[-1]
     steps = math.log(n1 / n0)
-    slope = math.log(e0 / e1) / steps if e0 > 0.0 else 1.0
+    slope = math.log(e0 / e1) / steps if e0 > 0.0 and e1 > 0.0 else 1.0
     doubt = 1.96 * math.hypot(math.hypot(spread0, spread1) / steps, _SLOPE_DOUBT)
     value = min(max(slope, _FLATTEST), _STEEPEST)
     low, high = max(slope - doubt, _FLATTEST), min(slope + doubt, _STEEPEST)

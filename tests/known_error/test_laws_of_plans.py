@@ -3,13 +3,16 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from alight.rendering.depth_cap import _series
-from alight.rendering.plan import Pilot, _look_after, plan_of
-from alight.rendering.schedules.stopping import Promise, first_look, next_look
+from alight.metrics.own_error import estimate_relmse
+from alight.rendering.plan import Pilot, _look_after, _times, plan_of
+from alight.rendering.schedules.chance import Chance
+from alight.rendering.schedules.stopping import Promise, first_look, judge_means, next_look
 
 
 def pilot_of(slope=1.0, error=0.01, need=None, spread=0.03, relmse=4e-4, **changes):
@@ -78,6 +81,76 @@ def test_ends_of_the_interval_are_looks_that_leave_room_for_the_rules_noise():
         assert plan.spp.low == next(look for look in looks if look >= 0.94 * min(ends))
         last = next(i for i, look in enumerate(looks) if look >= 1.06 * max(ends))
         assert plan.spp.high == pytest.approx(looks[last + 1], abs=4)
+
+
+@pytest.mark.parametrize("slope", [0.9, 1.5, 2.0])
+def test_rare_light_is_noise_of_independent_samples(slope):
+    """Of which no sample, few or many tell."""
+    for known, met, told in ((1.0, 0.0, 0.09), (0.5, 0.04, 0.06), (0.0, 0.04, 0.04)):
+        chance = Chance(0.09, 0.09 * known, 0.09 * known)
+        plan = plan_of(pilot_of(slope, 0.05, need=1e-9, relmse=1e-9, chance=chance, met=met), 4)
+        needed = 64.0 * told * 1.2**2 / 0.05**2
+        assert plan.spp.value == pytest.approx(needed * math.sqrt(1.25), rel=1e-3)
+        # 95 % of what the pilot and the samples know.
+        doubt = math.exp(1.96 * math.sqrt(known / 16))
+        assert plan.spp.low == _look_after(0.94 * needed / doubt, 4)
+        assert plan.spp.high >= 1.06 * needed * doubt
+        assert plan.pilot_error == pytest.approx(math.sqrt(1e-9 + met))
+
+
+def test_two_kinds_of_noise_are_the_error_together():
+    for slope in (1.2, 2.0):
+        pilot = pilot_of(slope, 0.005, need=16.0, chance=Chance(2e-4, 2e-4, 2e-4))
+        times = _times(pilot, slope)
+        rare = 2e-4 * 1.2**2 / 0.005**2
+        assert 16.0 * times**-slope + rare / times == pytest.approx(1.0, rel=1e-9)
+
+
+def test_plans_for_pixels_have_the_margin_of_normal_noise():
+    chance, promise = Chance(0.09, 0.09, 0.09), Promise(0.05, metric="pixel", share=0.95)
+    pilot = pilot_of(need=1e-9, relmse=1e-9, chance=chance, promise=promise)
+    assert _times(pilot, 1.0) == pytest.approx(0.09 * 1.96**2 / 0.05**2, rel=1e-3)
+
+
+def test_a_pilot_without_an_error_that_has_met_no_rare_light_needs_more_than_one_look():
+    plan = plan_of(pilot_of(relmse=0.0, need=1.0, chance=Chance(0.01, 0.01, 0.01)), 4)
+    assert plan.spp.value > 64.0 * 0.01 / 0.01**2
+
+
+def test_the_plan_is_what_the_rule_takes_within_a_factor_of_two():
+    """A picture of numbers, a third of it by samples that one in 36 pixels has met at 64 spp."""
+    rate, size, asked = 4.5e-4, 1.1e3, Promise(0.15)
+    points = np.arange(256)
+    light = np.full((256, 3), rate * size)
+    rows = np.column_stack([points, points % 4, light, np.full((256, 2), rate)])
+
+    def samples(seed):
+        """Means and counts after as many samples as are sent."""
+        rng, sums, spp = np.random.default_rng(seed), np.zeros((16, 16, 4)), 0
+        means = counts = None
+        while True:
+            more = ((yield means, counts) - spp) // 4
+            noise = more + 0.3 * math.sqrt(more) * rng.standard_normal(sums.shape)
+            sums, spp = sums + noise + size * rng.binomial(more, rate, sums.shape), spp + 4 * more
+            means = np.repeat(4.0 / spp * sums[..., None], 3, axis=3).astype(np.float32)
+            counts = np.full(sums.shape, spp // 4)
+
+    picture, spp = samples(1), 4096
+    next(picture)
+    while not judge_means(*picture.send(spp), asked, behind=rows).met:
+        spp = next_look(spp, 4)
+    for seed in range(2, 6):
+        picture, pilot = samples(seed), pilot_of(promise=asked, seen=[])
+        next(picture)
+        for count in (16, 64):
+            means, counts = picture.send(count)
+            film = SimpleNamespace(
+                replicate_means=lambda found=(means, counts): found,
+                relmse_estimate=lambda literature, found=(means, counts): estimate_relmse(*found),
+                behind_glass=rows, largest_sample=None, by_chance=False,
+            )  # fmt: skip
+            pilot.seen.append((count, 0.05, pilot._look(film).value))
+        assert 0.5 < plan_of(pilot, 4).spp.value / spp < 2.0
 
 
 @pytest.mark.parametrize("replicates", [1, 4, 6])

@@ -233,6 +233,6 @@ def test_a_lamp_with_a_shape_has_one_radius_from_everywhere():
 def test_what_reaches_to_infinity_has_no_box_to_aim_at(monkeypatch):
     """Along one axis is enough."""
     ends = [(np.zeros(3), np.ones(3)), (np.zeros(3), np.array([1.0, np.inf, 1.0])), None]
-    flat = SimpleNamespace(bsdfs=[Mirror()], shapes=[SimpleNamespace(bsdf=0, box=b) for b in ends])
+    flat = SimpleNamespace(bsdfs=[Mirror()], shapes=[SimpleNamespace(bsdf=0, box=b, motion=None) for b in ends])
     monkeypatch.setattr(casters, "box_of", lambda _, placed: placed.box)
     np.testing.assert_array_equal(casters.boxes_of_casters(flat), [[0, 0, 0, 1, 1, 1]])

@@ -95,7 +95,7 @@ def unseen_error(
     by_chance : bool, default False
         Whether no path is led to a light. A lamp that no sample has met is then in no contribution
         either, so that the indicator says nothing.
-    behind : ndarray, shape (n, 6), optional
+    behind : ndarray, shape (n, 7), optional
         `Film.behind_glass`. No sample of a cell has met a light that k n samples find with
         probability q each, with probability exp(-k n q).
     """
