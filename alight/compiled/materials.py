@@ -57,7 +57,7 @@ class MaterialTables(NamedTuple):
 
 
 def compile_materials(
-    bsdfs: Sequence[Bsdf], textures: Sequence[Texture] = ()
+    bsdfs: Sequence[Bsdf], textures: Sequence[Texture] = (), origin: np.ndarray | None = None
 ) -> tuple[MaterialTables, tuple[str, ...], tuple[str, ...]]:
     """Build the tables of a scene's materials.
 
@@ -67,6 +67,8 @@ def compile_materials(
         Names of nested materials and of textures resolved. The index is what shapes refer to.
     textures : sequence of Texture, optional
         Textures that are used elsewhere too, each once: they get the first numbers.
+    origin : (3,) float64, metres, optional
+        Where in the world the origin of rendering space is; there by default.
 
     Returns
     -------
@@ -74,7 +76,8 @@ def compile_materials(
     bsdf_names, texture_names : tuple of str
         For `Program`: the models in use in the order of the registries, then their features.
     """
-    rows = _Rows(stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec)))
+    stride = stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec))
+    rows = _Rows(stride, textures=TextureTable(origin))
     for texture in textures:
         rows.textures.number(texture)
     rows.reserve_normals(bsdfs)

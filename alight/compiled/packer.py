@@ -51,12 +51,15 @@ class Packer:
         Textures and texels of the whole scene; needed once a parameter is textured.
     all_curves : list of (n,) float32
         Tables of the whole scene, one after the other.
+    origin : (3,) float64, metres
+        Where in the world the origin of rendering space is.
     """
 
     slots: Mapping[str, int]
     size: int
     table: TextureTable | None = None
     all_curves: list[np.ndarray] = field(default_factory=list)
+    origin: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
         """Start with an empty row."""

@@ -42,6 +42,7 @@ from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene, described
+from alight.textures.model import TEXTURES
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
@@ -153,6 +154,8 @@ def compile_scene(
     materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
     space = _shapes_in_their_space(flat, UV_SETS in textures, kept)
     flat, shapes, paths, origin = space.flat, space.shapes, space.paths, space.origin
+    if origin.any() and any(TEXTURES[name].IN_SPACE for name in textures if name in TEXTURES):
+        materials, _, _ = compile_materials(flat.bsdfs, light_textures(flat), origin)
     if ABSORBING in bsdfs:
         materials = with_bodies(materials, flat)
     accel, plan, of_accel = kept(

@@ -57,9 +57,16 @@ class CompiledTextures(NamedTuple):
 
 
 class TextureTable:
-    """Numbers the textures of a scene, and stores each picture once."""
+    """Numbers the textures of a scene, and stores each picture once.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    origin : (3,) float64, metres
+        Where in the world the origin of rendering space is; there by default.
+    """
+
+    def __init__(self, origin: np.ndarray | None = None) -> None:
+        self._origin = np.zeros(3) if origin is None else origin
         self._numbers: dict[Texture, int] = {}
         # A zero comes first. Offsets are written once all is known: the largest pictures
         # fill half of what a process may take.
@@ -159,7 +166,7 @@ class TextureTable:
         if not spec.varies:
             return np.array(spec.maximum(), np.float32)
         model = TEXTURES[spec.type_name()]
-        packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self)
+        packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self, origin=self._origin)
         if model.pack is not None:
             model.pack(spec, packer)
         return packer.row

@@ -12,7 +12,8 @@ the corner's whole coordinates. |n| never exceeds 1.04; the weight is cut to [0,
 "turbulence" has \|n\| instead of n, and \|f\| as weight.
 
 x is the place in the world (metres), or (u, v, 0), times `scale` plus `offset`. Beyond 2^20 cells
-from the origin float32 has no digits left to vary with.
+from the origin of rendering space float32 has no digits left to vary with. Whole cells between that
+and the origin of the world are counted apart, modulo 2^32.
 
 Source: Perlin, An image synthesizer, SIGGRAPH 1985, and Improving noise, SIGGRAPH 2002; Musgrave in
 Ebert et al., Texturing and modeling, 3rd ed., chapter 16 for the sum; Jarzynski and Olano, Hash
@@ -22,6 +23,8 @@ functions for GPU rendering, JCGT 9(3), 2020, for the hash.
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
 
 from alight.core.field_types import Reflectance, Triple, UnitInterval, Vector3
 from alight.core.fields import Interval, Numbers
@@ -118,6 +121,8 @@ class Params(NamedTuple):
     gain: Number
     turbulence: Flag
     in_uv: Flag
+    high: Triplet
+    low: Triplet
     uv: Annotated[Any, Slots(uv_of_texture, {"uv_set": 1})]
 
 
@@ -130,12 +135,31 @@ def features(spec: Noise) -> tuple[str, ...]:
     return set_features(spec.uv_set) if spec.space == "uv" else ()
 
 
+#: The pattern has a place in the world.
+IN_SPACE = True
+
+_HALF_WORD = 2.0**16
+
+
+def _apart(spec: Noise, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The offset in rendering space, and whole cells from the world's origin to there (float64)."""
+    offset = np.array(spec.offset)
+    if spec.space == "uv" or not origin.any():
+        return offset, np.zeros(3)
+    offset = offset + np.array(spec.scale) * origin
+    cells = np.floor(offset)
+    return offset - cells, cells % _HALF_WORD**2
+
+
 def pack(spec: Noise, packer) -> None:
     """Fill the row of one texture."""
     packer.color("color0", spec.color0)
     packer.color("color1", spec.color1)
     packer.numbers("scale", *spec.scale)
-    packer.numbers("offset", *spec.offset)
+    offset, cells = _apart(spec, packer.origin)
+    packer.numbers("offset", *offset)
+    packer.numbers("high", *(cells // _HALF_WORD))
+    packer.numbers("low", *(cells % _HALF_WORD))
     packer.numbers("octaves", float(spec.octaves))
     packer.numbers("gain", spec.gain)
     packer.numbers("turbulence", float(spec.pattern == "turbulence"))
@@ -169,12 +193,17 @@ def _fade(t):
 
 
 @kernel
-def noise_at(x, y, z):
-    """Gradient noise at a point, about -1 to 1, 0 at whole coordinates."""
+def noise_at(x, y, z, cells):
+    """Gradient noise at a point, about -1 to 1, 0 at whole coordinates.
+
+    cells: whole numbers, modulo 2^32, that the coordinates are short of.
+    """
     x0, y0, z0 = floor(x), floor(y), floor(z)
     fx, fy, fz = x - x0, y - y0, z - z0
     # Shifted to be positive: the hash wants whole numbers without sign.
-    i, j, k = to_uint(x0 + FARTHEST), to_uint(y0 + FARTHEST), to_uint(z0 + FARTHEST)
+    i = to_uint(x0 + FARTHEST) + cells.x
+    j = to_uint(y0 + FARTHEST) + cells.y
+    k = to_uint(z0 + FARTHEST) + cells.z
     sx, sy, sz = _fade(fx), _fade(fy), _fade(fz)
     value = lanes(0.0)
     corner = lanes_u32(0)
@@ -208,15 +237,22 @@ def evaluate(scene, base, surface):
     p, (u, v) = point_at_opening(scene, surface), params.uv
     point = where(params.in_uv, Vec3(u, v, lanes(0.0)), p) * params.scale + params.offset
     x, y, z = point.x, point.y, point.z
+    high, low = params.high, params.low
+    cells = Vec3(
+        (to_uint(high.x) << 16) + to_uint(low.x),
+        (to_uint(high.y) << 16) + to_uint(low.y),
+        (to_uint(high.z) << 16) + to_uint(low.z),
+    )
     octaves, turbulent = params.octaves, params.turbulence
     total, sizes, size, k = lanes(0.0), lanes(0.0), lanes(1.0), lanes(0.0)
     more = k < octaves
     while any_lane(more):
-        wave = noise_at(_kept(x), _kept(y), _kept(z))
+        wave = noise_at(_kept(x), _kept(y), _kept(z), cells)
         wave = where(turbulent, absolute(wave), wave)
         total = where(more, total + size * wave, total)
         sizes = where(more, sizes + size, sizes)
         x, y, z, size, k = x + x, y + y, z + z, size * params.gain, k + 1.0
+        cells = Vec3(cells.x + cells.x, cells.y + cells.y, cells.z + cells.z)
         more = k < octaves
     mean = total / where(sizes > 0.0, sizes, 1.0)
     weight = minimum(maximum(where(turbulent, mean, 0.5 + 0.5 * mean), 0.0), 1.0)

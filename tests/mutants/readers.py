@@ -10,6 +10,7 @@ SCOPES = "tests/formats/materialx/test_scopes.py"
 FACES = "tests/formats/usd/test_faces.py"
 SOLIDS = "tests/formats/usd/test_solids.py"
 CAMERAS = "tests/formats/usd/test_cameras.py"
+DOMES = "tests/formats/usd/test_lights.py"
 PLACES = "tests/formats/usd/test_places.py"
 SKINS = "tests/formats/usd/test_skins_askew.py"
 RANGES = "tests/formats/usd/test_ranges.py"
@@ -313,5 +314,17 @@ READERS = (
         "formats/pbrt/shapes.py",
         (("key = (path, placed.reverse, placed.textured)", "key = (path, placed.textured)"),),
         f"{ORDER}::test_a_file_that_stands_twice_may_be_turned_in_one_place",
+    ),
+    Mutant(
+        "a dome that is not mirrored with its prim",
+        "formats/usd/lights.py",
+        (("1e-9 or np.linalg.det(axes) < 0.0:", "1e-9:"),),
+        f"{DOMES}::test_a_mirror_and_a_missing_turn_of_a_dome",
+    ),
+    Mutant(
+        "a dome whose pole is turned to z the other way",
+        "formats/usd/lights.py",
+        (("[:, [0, 2, 1]] * [1.0, 1.0, -1.0]", "[:, [0, 2, 1]] * [1.0, -1.0, 1.0]"),),
+        f"{DOMES}::test_a_dome_stands_as_its_prim_does",
     ),
 )

@@ -4,6 +4,8 @@ from tests.mutants.mutant import Mutant
 
 SPACE = "tests/scene/test_rendering_space.py"
 CONTACTS = "tests/scene/test_suspicious_contacts.py"
+NOISE = "tests/textures/test_noise.py"
+STANDS = f"{NOISE}::test_a_pattern_stands_in_the_world_wherever_places_are_measured_from"
 
 RENDERING_SPACE = (
     Mutant(
@@ -53,5 +55,23 @@ RENDERING_SPACE = (
         "compiled/suspicious_contacts.py",
         (("axis, axis=2).all(axis=2)", "axis, axis=2).any(axis=2)"),),
         f"{CONTACTS}::test_others_are_not[along an edge]",
+    ),
+    Mutant(
+        "noise in rendering space",
+        "textures/noise.py",
+        (("offset = offset + np.array(spec.scale) * origin", "offset = offset + 0.0 * origin"),),
+        STANDS,
+    ),
+    Mutant(
+        "noise whose finer waves stay in rendering space",
+        "textures/noise.py",
+        (("Vec3(cells.x + cells.x,", "Vec3(cells.x,"),),
+        STANDS,
+    ),
+    Mutant(
+        "textures that know of no rendering space",
+        "compiled/scene.py",
+        (("light_textures(flat), origin)", "light_textures(flat))"),),
+        f"{SPACE}::test_a_pattern_in_space_stays_where_it_is",
     ),
 )

@@ -17,6 +17,7 @@ from alight.scene.keyframes import Parts, Track
 from alight.scene.motion import Link, Motion
 from alight.shapes.sphere import Sphere
 from tests.extension.haze import Haze
+from tests.twin import picture_of
 
 AWAY = (1048576.0, -524288.0, 2097152.0)
 
@@ -83,6 +84,23 @@ def test_pictures_are_those_at_the_origin(kind, integrator):
     assert covered.max() == 1.0
     shift = far.aov("position") - near.aov("position")
     np.testing.assert_allclose(shift, covered * AWAY, rtol=2e-7, atol=0.1)
+
+
+def test_a_pattern_in_space_stays_where_it_is():
+    """Near the origin, shifted by its own offset, noise is what it is far away."""
+    away, scale = (4096.0, -2048.0, 8192.0), 2.0
+    pictures = []
+    for place, offset in ((away, (0.0,) * 3), ((0.0,) * 3, [scale * c for c in away])):
+        paper = {"type": "noise", "scale": scale, "offset": offset, "octaves": 2}
+        made = alight.changed(
+            scene(place),
+            {"nodes.world.children.floor.bsdf": {"type": "diffuse", "reflectance": paper}},
+        )
+        assert compile_scene(flatten(made), structure="list").origin.any() == (place is away)
+        pictures.append(picture_of(made, spp=4))
+    far, near = pictures
+    assert near.max() > 0.05
+    np.testing.assert_allclose(far, near, rtol=5e-3, atol=1e-3)
 
 
 def test_what_does_not_lie_far_away_stays():

@@ -5,6 +5,7 @@ import pytest
 
 from alight.textures.noise import Noise, noise_at
 from lanewise.jit import instantiate
+from lanewise.vec3 import Vec3
 from tests.textures.lookup import look_up
 
 N = 400
@@ -12,7 +13,8 @@ AT = instantiate(noise_at, compiled=False)
 
 
 def values(points):
-    return np.broadcast_to(AT(*np.float32(points.T)), len(points)).astype(float)
+    found = AT(*np.float32(points.T), Vec3(*np.zeros((3, 1), np.uint32)))
+    return np.broadcast_to(found, len(points)).astype(float)
 
 
 @pytest.fixture
@@ -61,3 +63,29 @@ def test_patterns_are_weighted_means_of_octaves(pattern, octaves, gain):
     weight = np.clip(mean if pattern == "turbulence" else 0.5 + 0.5 * mean, 0.0, 1.0)[:, None]
     expected = ends[0] * (1.0 - weight) + ends[1] * weight
     np.testing.assert_allclose(look_up(texture, u, v), expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("space", ["world", "uv"])
+@pytest.mark.parametrize("pattern", ["fbm", "turbulence"])
+def test_a_pattern_stands_in_the_world_wherever_places_are_measured_from(space, pattern):
+    """All numbers have so few digits that float32 rounds none of them."""
+    rng = np.random.default_rng(98_601)
+    texture = Noise(
+        space=space, pattern=pattern, octaves=3, gain=0.7, scale=(1.5, -2.0, 0.75),
+        offset=(0.25, -7.5, 3.0),
+    )  # fmt: skip
+    origin = np.array([4096.0, -2048.0, 8192.0])
+    u, v, z = rng.integers(-512, 512, (3, N)) / 64.0
+    away = origin if space == "world" else np.zeros(3)
+    there = look_up(texture, u + away[0], v + away[1], z + away[2])
+    np.testing.assert_allclose(look_up(texture, u, v, z, origin), there, atol=1e-5)
+    assert np.ptp(there) > 0.1
+
+
+def test_cells_far_away_have_all_their_digits():
+    """At 2^40 cells whole numbers are counted modulo 2^32, and what is left is as near as here."""
+    texture = Noise(octaves=1, scale=256.0)
+    u, v, z = np.random.default_rng(98_602).integers(-512, 512, (3, N)) / 2.0**12
+    far, near = (look_up(texture, u, v, z, np.array([x, 0.0, 0.0])) for x in (2.0**32, 2.0**24))
+    np.testing.assert_array_equal(far, near)
+    np.testing.assert_array_equal(near, look_up(texture, u, v, z))

@@ -80,9 +80,9 @@ class Graph(ModelScene):
             self.cameras = [(f"world/{path}", aspect) for path, aspect in self.cameras]
         else:
             self.nodes.update(world["children"])
-        for around in self._domes:
+        for dome in self._domes:
             # They stand in the world, not where their prims do.
-            self.nodes[free_name("dome", self.nodes, "dome")] = {"light": around}
+            self.nodes[free_name("dome", self.nodes, "dome")] = dome
         eye = [] if self.view is None else [self.view[:3, 3]]
         box = corners(self.bounds.low, self.bounds.high)
         say_what_is_inside(self.stage.report, self._balls, (box, eye))
@@ -184,10 +184,10 @@ class Graph(ModelScene):
         self.is_lit = True
         if placed.radius > 0.0:
             self._balls.append((str(prim.GetPath()), to_world, placed.radius))
-        if placed.environment is not None and self.environment is None:
-            self.environment = placed.environment
-        elif placed.environment is not None:
-            self._domes.append(placed.environment)
+        if placed.dome and self.environment is None and "transform" not in placed.dome:
+            self.environment = placed.dome["light"]
+        elif placed.dome:
+            self._domes.append(placed.dome)
         return placed.node or None
 
     def _solid(self, prim: Any, found: tuple[Data, list[Data]], to_world: Matrix) -> Data:

@@ -29,13 +29,15 @@ from alight.formats.scenes.lamps import (
     turned,
 )
 from alight.formats.usd.light_controls import say_what_is_unphysical
-from alight.formats.usd.modules import UsdLux
+from alight.formats.usd.modules import UsdGeom, UsdLux
 from alight.formats.usd.stage import Stage, meters_per_unit
 from alight.formats.usd.textures import picture_of
 from alight.meshes.polygons import Triangles
 
 Data = dict[str, Any]
 _BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
+#: Axes that are off a right angle by less, and lengths off 1, are rounded.
+_ROUNDING = 5e-5
 #: From our light along +z to one along -z.
 _TURNED: Data = {"rotate": {"axis": "y", "angle": 180.0}}
 #: How a light and the glow of its mesh's material go together, if nothing is said.
@@ -50,14 +52,14 @@ class Placed:
     ----------
     node : dict
         What stands at the prim's place.
-    environment : dict or None
-        Instead of it, what is around the scene.
+    dome : dict or None
+        Instead of it, the node in the world of what is around the scene.
     radius : float
         Of the ball about its place that shines outwards only, in units of the stage; 0 for none.
     """
 
     node: Data
-    environment: Data | None = None
+    dome: Data | None = None
     radius: float = 0.0
 
 
@@ -156,8 +158,10 @@ def _normalisation(stage: Stage, prim: Any, area: float) -> float:
     return (meters_per_unit(stage) or 1.0) ** 2 / max(area, 1e-30)
 
 
-def _scale_of(world: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(world[:3, :3], axis=0)
+def _keeps_angles(linear: np.ndarray) -> bool:
+    """Whether a matrix (3, 3) turns, mirrors and scales alike along all axes, and no more."""
+    squared = linear.T @ linear
+    return np.allclose(squared, np.eye(3) * squared[0, 0], atol=_ROUNDING * squared[0, 0])
 
 
 def _area_light(
@@ -248,9 +252,7 @@ def _distant(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
         irradiance = irradiance * math.pi * math.sin(math.radians(0.5 * min(angle, 180.0))) ** 2
     wide = f"{prim.GetPath()}: a distant light, {angle:g} degrees wide"
     # What surrounds a scene is in no prototype, and is only turned.
-    squared = world[:3, :3].T @ world[:3, :3]
-    is_turned = np.allclose(squared, np.eye(3) * squared[0, 0], atol=5e-5 * squared[0, 0])
-    if angle >= NARROWEST_DISK and is_turned and not prim.IsInPrototype():
+    if angle >= NARROWEST_DISK and _keeps_angles(world[:3, :3]) and not prim.IsInPrototype():
         if angle > WIDEST_DISK:
             stage.report.approximate(f"{wide}, became a disk {WIDEST_DISK:g} degrees wide")
         return Placed(far_disk(irradiance.tolist(), min(angle, WIDEST_DISK)))
@@ -263,7 +265,7 @@ def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
     radiance = _radiance(stage, prim).tolist()
     asset = stage.value(UsdLux.DomeLight(prim).GetTextureFileAttr())
     if asset is None or not asset.path:
-        return Placed({}, {"type": "constant", "radiance": radiance})
+        return _around({"type": "constant", "radiance": radiance})
     layout = stage.value(UsdLux.DomeLight(prim).GetTextureFormatAttr(), "automatic")
     if layout not in ("automatic", "latlong"):
         text = f"its picture of the format {layout} is taken for one of latitude and longitude"
@@ -272,14 +274,43 @@ def _dome(stage: Stage, prim: Any, world: np.ndarray) -> Placed:
         picture = picture_of(stage, asset)
     except OutOfReachError as error:
         stage.report.lacks_at(stage.name, str(prim.GetPath()), error, DARK)
-        return Placed({}, {"type": "constant", "radiance": [0.5 * c for c in radiance]})
-    turned = world[:3, :3] / np.maximum(_scale_of(world), 1e-30)
-    if turned[1, 1] < 1.0 - 1e-6:
-        stage.report.approximate(f"{prim.GetPath()}: only its turn about the vertical is taken")
-    angle = math.degrees(math.atan2(turned[0, 2], turned[2, 2]))
+        return _around({"type": "constant", "radiance": [0.5 * c for c in radiance]})
     found = {"file": picture} if isinstance(picture, str) else {"pixels": picture}
     data: Data = {"type": "environment", **found, "scale": radiance}
-    return Placed({}, data | ({"rotate": angle} if abs(angle) > 1e-9 else {}))
+    linear = _pole(stage, prim, world)
+    axes = linear / np.maximum(np.linalg.norm(linear, axis=0), 1e-30)
+    if not _keeps_angles(linear):
+        text = "is stretched: only its turn about the vertical is taken"
+        stage.report.approximate(f"{prim.GetPath()}: {text}")
+    elif axes[1, 1] < 1.0 - 1e-9 or np.linalg.det(axes) < 0.0:
+        if abs(axes[1, 1]) < 0.5:
+            text = "its pole is level, as UsdLux has it where orientToStageUpAxis is missing"
+            stage.report.approximate(f"{prim.GetPath()}: {text}")
+        matrix = np.eye(4)
+        matrix[:3, :3] = axes
+        return _around(data, transform={"matrix": matrix.tolist()})
+    angle = math.degrees(math.atan2(axes[0, 2], axes[2, 2]))
+    return _around(data | ({"rotate": angle} if abs(angle) > 1e-9 else {}))
+
+
+def _around(light: Data, **more: Data) -> Placed:
+    return Placed({}, {"light": light, **more})
+
+
+def _pole(stage: Stage, prim: Any, world: np.ndarray) -> np.ndarray:
+    """The axes of a dome's picture in the world, (3, 3), its third column towards the middle.
+
+    The pole is +y of the prim; of a `DomeLight_1` the axis that the stage has up, or the one that
+    it names, to which +y is turned about x.
+    """
+    linear = world[:3, :3]
+    if prim.GetTypeName() != "DomeLight_1":
+        return linear
+    pole = stage.value(UsdLux.DomeLight_1(prim).GetPoleAxisAttr(), UsdLux.Tokens.scene)
+    if pole == UsdLux.Tokens.scene:
+        pole = UsdGeom.GetStageUpAxis(stage.stage)
+    # A quarter turn about x takes y to z, and z to -y.
+    return linear[:, [0, 2, 1]] * [1.0, 1.0, -1.0] if pole == UsdGeom.Tokens.z else linear
 
 
 _READERS = {

@@ -7,6 +7,7 @@ import pytest
 
 import alight
 from alight.lights import sun
+from alight.scene import flatten
 from tests.formats.usd.stage import SQUARE, usd_loader
 
 pytest.importorskip("pxr")
@@ -107,6 +108,68 @@ def Xform "turned" {
     assert scene.environment.type_name() == "constant"
     assert scene.nodes["dome"].light.rotate == pytest.approx(40.0)
     np.testing.assert_array_equal(scene.nodes["dome"].transform.matrix, np.eye(4))
+
+
+def _shown_at(scene):
+    """Axes of the picture of the sky in the world, (3, 3): left or right, pole, middle."""
+    (sky,) = flatten(scene).environments
+    turn = math.radians(sky.light.rotate)
+    about_y = [[math.cos(turn), 0, math.sin(turn)], [0, 1, 0], [-math.sin(turn), 0, math.cos(turn)]]
+    return sky.to_world[:3, :3] @ np.array(about_y)
+
+
+#: From the space of a stage with this axis up to ours.
+TO_OURS = {"Y": np.eye(3), "Z": np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])}
+QUARTER_ABOUT_X = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.parametrize(
+    ("schema", "up", "pole", "is_on_z"),
+    [
+        ("DomeLight", "Y", "", False),
+        ("DomeLight", "Z", "", False),
+        ("DomeLight_1", "Y", "", False),
+        ("DomeLight_1", "Z", "", True),
+        ("DomeLight_1", "Z", "Y", False),
+        ("DomeLight_1", "Y", "Z", True),
+    ],
+)
+def test_a_dome_stands_as_its_prim_does(schema, up, pole, is_on_z, mirror, load, tmp_path):
+    """UsdLux: the pole is +y of the prim, or what poleAxis says, +y turned to it about x."""
+    alight.outputs.write_image(tmp_path / "sky.exr", np.ones((4, 8, 3)))
+    turned = np.linalg.qr(np.random.default_rng(98_600).normal(size=(3, 3)))[0]
+    turned[:, 0] *= mirror * np.linalg.det(turned)
+    rows = np.eye(4)
+    rows[:3, :3] = 2.5 * turned.T
+    matrix = "(" + ", ".join(f"({', '.join(map(repr, row))})" for row in rows.tolist()) + ")"
+    scene = load(
+        f"""def {schema} "sky" {{
+    asset inputs:texture:file = @sky.exr@
+    {f'uniform token poleAxis = "{pole}"' if pole else ""}
+    matrix4d xformOp:transform = {matrix}
+    uniform token[] xformOpOrder = ["xformOp:transform"]
+}}""",
+        up=up,
+    )
+    expected = TO_OURS[up] @ turned @ (QUARTER_ABOUT_X if is_on_z else np.eye(3))
+    np.testing.assert_allclose(_shown_at(scene), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("up", ["Y", "Z"])
+def test_a_mirror_and_a_missing_turn_of_a_dome(up, load, tmp_path):
+    alight.outputs.write_image(tmp_path / "sky.exr", np.ones((4, 8, 3)))
+    text = """
+def DomeLight "sky" {
+    asset inputs:texture:file = @sky.exr@
+    double3 xformOp:scale = SCALE
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+}"""
+    scene = load(text.replace("SCALE", "(-1, 1, 1)"), up=up)
+    np.testing.assert_allclose(_shown_at(scene), TO_OURS[up] @ np.diag([-1, 1, 1]), atol=1e-6)
+    assert any("its pole is level" in line for line in scene.warnings) == (up == "Z")
+    stretched = load(text.replace("SCALE", "(1, 2, 1)"), up=up)
+    assert any("is stretched" in line for line in stretched.warnings)
 
 
 def test_a_camera_has_its_angle_place_and_lens(load):
