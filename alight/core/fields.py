@@ -52,7 +52,12 @@ class Interval:
         """Return `value` as a Python number, or raise an error that states the allowed range."""
         if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
             raise invalid(f"must be a {self._noun}, got {show_value(value)}")
-        if not math.isfinite(value):
+        try:
+            finite = math.isfinite(value)
+        except OverflowError:
+            # Python's whole numbers have no end.
+            raise invalid(f"must be at most {LARGEST:g} in size, got {show_value(value)}") from None
+        if not finite:
             raise invalid(f"must be finite, got {value}")
         if self.integer and value != int(value):
             raise invalid(f"must be a whole number, got {value}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -16,6 +16,7 @@ from alight.core.errors import (
     is_at_or_below,
     nearest,
     quote,
+    show_value,
 )
 from alight.formats import mitsuba, pbrt
 from alight.formats.geometry.bounds import Bounds
@@ -325,6 +326,8 @@ def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[st
     (64, 64)
     """
     manager = SceneManager(scene)
+    if not isinstance(changes, Mapping | Sequence):
+        raise OptionError(f"must map key paths to values, got {show_value(changes)}", "changes")
     if isinstance(changes, Mapping):
         for path, value in changes.items():
             manager.set_at(path, value)
@@ -339,7 +342,7 @@ def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[st
 
 def _with_camera_path(scene: Scene, assignment: str) -> str:
     """Put the path of a camera's node into the place of its number or its last name."""
-    key, _, wanted = assignment.partition("=")
+    key, _, wanted = str(assignment).partition("=")
     if key.strip() != "camera":
         return assignment
     wanted = wanted.strip()

@@ -6,6 +6,7 @@ the renderer works with, or raise a `ValueError` whose text says what is wrong.
 
 from __future__ import annotations
 
+import json
 import numbers
 import os
 import re
@@ -159,9 +160,10 @@ class Size(Kind):
             shown = quote(text)
         else:
             shown = show_value(value)
-            value = (value, value) if isinstance(value, int) else value
+            value = (value, value) if isinstance(value, numbers.Integral) else value
         if (sizes := _whole_numbers(value, 2)) is None:
-            raise ValueError(f"must be WIDTHxHEIGHT in pixels, as 512x512, got {shown}")
+            text = "must be WIDTHxHEIGHT in pixels or on paper, as 512x512 or 9x6cm"
+            raise ValueError(f"{text}, got {shown}")
         return sizes[0], sizes[1]
 
     def write(self, value: Any) -> str:
@@ -197,6 +199,7 @@ class Crop(Kind):
 
 
 def _whole_numbers(value: Any, count: int) -> list[int] | None:
+    value = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(value, Sequence) or len(value) != count:
         return None
     whole = [isinstance(n, numbers.Integral) and not isinstance(n, bool) for n in value]
@@ -315,6 +318,31 @@ class Anything(Kind):
     ----------
     type : str
         What it is, for the documentation: its class may stand above this package.
+    has : str, default ""
+        An attribute that it must have.
     """
 
     type: str = ""
+    has: str = ""
+
+    def check(self, value: Any) -> Any:
+        """Refuse what would fail only later, when samples could be lost."""
+        if value is not None and self.has and not hasattr(value, self.has):
+            what = self.type or f"an object with {self.has}"
+            raise ValueError(f"must be {what}, got {show_value(value)}")
+        return value
+
+
+@dataclass(frozen=True)
+class PlainData(Anything):
+    """A mapping that JSON can hold."""
+
+    def check(self, value: Any) -> Any:
+        """Refuse what a file could not hold."""
+        try:
+            if isinstance(value, Mapping):
+                json.dumps(dict(value))
+                return value
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"must be plain JSON: {error}") from None
+        raise ValueError(f"must be a mapping of plain JSON, got {show_value(value)}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from alight.core.errors import OptionError
 from alight.options import scene
 from alight.options.cluster import ClusterOptions
-from alight.options.kinds import Anything, Choice, File, Files, Names, Switch, Text
+from alight.options.kinds import Anything, Choice, File, Files, Names, PlainData, Switch, Text
 from alight.options.quantities import Part, Seconds, Share, Whole
 from alight.options.scene import SizedOptions
 from alight.options.table import PICTURE, PROMISE, SAMPLING, Options, option, table
@@ -80,6 +80,19 @@ class PromiseOptions(Options):
         "Share of the pixels that must be within the error, for the metric pixel.",
         default=0.95, metavar="95%", panel=PROMISE,
     )  # fmt: skip
+
+    def useless(self) -> list[tuple[str, tuple[str, ...]]]:
+        """Options that others would have to ask for: what is missing, and the names in it."""
+        if self.error is None:
+            return [(f"{{{name}}} does nothing without {{error}}", (name, "error"))
+                    for name in self.given("confidence", "metric", "share")]  # fmt: skip
+        found: list[tuple[str, tuple[str, ...]]] = []
+        if self.metric == "relrmse" and self.given("share"):
+            found.append(("{share} does nothing without {metric} pixel", ("share", "metric")))
+        if self.error >= 1.0:  # type: ignore[operator]
+            text = f"{{error}}: asks for {100.0 * self.error:g} %; {self.error:g}% is less"  # type: ignore[operator]
+            found.append((text, ("error",)))
+        return found
 
 
 @table
@@ -227,24 +240,24 @@ class RenderOptions(
     max_depth: int | None = scene.max_depth()
     rr_depth: int | None = scene.rr_depth()
     schedule: Any = option(
-        Anything("Schedule"),
+        Anything("Schedule", "next"),
         "Decides which samples are rendered, in place of the number of samples.",
         default=None, flag="",
     )  # fmt: skip
     notes: Mapping[str, Any] = option(
-        Anything("mapping of str to plain JSON"),
+        PlainData("mapping of str to plain JSON"),
         "Plain JSON that checkpoints keep, for whoever resumes.",
         default={},
         flag="",
     )
     progress: Callable[[Any], None] | None = option(
-        Anything("callable"),
+        Anything("callable", "__call__"),
         "Called with a `Progress` from time to time, in the calling thread.",
         flag="",
         default=None,
     )
     cancel: threading.Event | None = option(
-        Anything(),
+        Anything(has="is_set"),
         "Ends the render early when set; the film holds what was finished, no file is written.",
         flag="", default=None
     )  # fmt: skip
@@ -273,13 +286,7 @@ class RenderOptions(
 
     def useless(self) -> list[tuple[str, tuple[str, ...]]]:
         """Options that others would have to ask for: what is missing, and the names in it."""
-        found = []
-        if self.error is None:
-            promised = self.given("confidence", "metric", "share")
-            found += [(f"{{{name}}} does nothing without {{error}}", (name, "error"))
-                      for name in promised]  # fmt: skip
-        elif self.metric == "relrmse" and self.given("share"):
-            found.append(("{share} does nothing without {metric} pixel", ("share", "metric")))
+        found = super().useless()
         if self.checkpoint is None and self.given("every"):
             found.append(("{every} does nothing without {checkpoint}", ("every", "checkpoint")))
         return found

@@ -71,21 +71,26 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
         flag="",
         default=None,
     )
-    promise: Any = option(Anything("Promise"), "Go on until it is kept.", flag="", default=None)
+    promise: Any = option(
+        Anything("Promise", "share"), "Go on until it is kept.", flag="", default=None
+    )
     schedule: Any = option(
-        Anything("Schedule"),
+        Anything("Schedule", "next"),
         "Another rule instead of the one in the checkpoint.",
         flag="",
         default=None,
     )
     progress: Callable[[Any], None] | None = option(
-        Anything("callable"),
+        Anything("callable", "__call__"),
         "Called with a `Progress` from time to time, in the calling thread.",
         flag="",
         default=None,
     )
     cancel: threading.Event | None = option(
-        Anything(), "Ends the render early when set; no file is written.", flag="", default=None
+        Anything(has="is_set"),
+        "Ends the render early when set; no file is written.",
+        flag="",
+        default=None,
     )
 
     def __post_init__(self) -> None:

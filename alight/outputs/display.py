@@ -56,7 +56,7 @@ class Display:
         from alight.tone_curves.model import TONE_CURVES
 
         if self.tone_map not in TONE_CURVES:
-            raise OptionError(unknown_name("tone map", self.tone_map, TONE_CURVES))
+            raise OptionError(unknown_name("tone map", str(self.tone_map), TONE_CURVES))
         if self.exposure != "auto":
             object.__setattr__(self, "exposure", _stops(self.exposure))
         if self.bits not in (8, 16):

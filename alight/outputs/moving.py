@@ -23,6 +23,13 @@ SUFFIXES = (".gif", ".apng", ".mp4")
 #: Frames that wait for an encoder.
 _WAITING = 2
 
+#: Pictures are sRGB: its primaries are those of BT.709, whose matrix makes luma and chroma of them.
+#: Players that are told nothing guess, by the size of the picture.
+_COLORS = (
+    "-vf", "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709",
+    "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv",
+)  # fmt: skip
+
 #: Seconds after which it is looked whether an encoder still lives.
 _LOOK_EVERY = 0.1
 
@@ -154,9 +161,11 @@ def _write_mp4(path: Path, frames: Iterable[np.ndarray], fps: int) -> None:
     first = next(arriving)
     # H.264 has half as many colours along each side: an odd last row or column goes.
     h, w = (side // 2 * 2 for side in first.shape[:2])
+    if not h * w:
+        raise OutputError(f"MP4 needs at least 2x2 pixels, got {first.shape[1]}x{first.shape[0]}")
     writer = write_frames(
         str(path), (w, h), fps=fps, codec="libx264", quality=8, macro_block_size=2,
-        output_params=["-f", "mp4"], ffmpeg_log_level="error",
+        output_params=["-f", "mp4", *_COLORS], ffmpeg_log_level="error",
     )  # fmt: skip
     writer.send(None)
     try:

@@ -1,6 +1,6 @@
 """PNG (ISO/IEC 15948): sRGB, 8 or 16 bits a channel, straight alpha, provenance as text.
 
-The encoder is our own because Pillow has no 16-bit RGB; it reads well enough for both.
+The encoder is our own because Pillow has no 16-bit RGB.
 """
 
 from __future__ import annotations
@@ -47,12 +47,16 @@ def read(path: Path) -> np.ndarray:
 
 
 def read_with_pillow(path: Path) -> np.ndarray:
-    """Read linear values of any sRGB picture that Pillow reads as 8 bits."""
-    from PIL import Image
+    """Read linear values of any sRGB picture of whole numbers, without its alpha."""
+    from alight.outputs.texels import read_texels
 
-    with Image.open(path) as image:
-        encoded = np.asarray(image.convert("RGB"), np.float64)
-    return decode_srgb(encoded / 255.0)
+    texels = read_texels(path, lambda width, height: None)
+    if texels.dtype not in (np.uint8, np.uint16):
+        raise ValueError(f"is not a {path.suffix[1:].upper()} picture")
+    channels = np.atleast_3d(texels)
+    colors = channels[..., : 3 if channels.shape[2] > 2 else 1]
+    shape = (*colors.shape[:2], 3)
+    return decode_srgb(np.broadcast_to(colors, shape) / float(np.iinfo(texels.dtype).max))
 
 
 def encode_png(

@@ -31,13 +31,16 @@ import numpy as np
 from alight.core.errors import OptionError, OutputError, unknown_name
 from alight.core.version import VERSION
 from alight.films import Film
+from alight.films.denoising import denoise
 from alight.films.storage import is_film_file
 from alight.options.animation import AnimationOptions
 from alight.options.entry import takes
 from alight.options.render import RenderOptions
 from alight.outputs import exr, moving, png
-from alight.outputs.image import FORMATS, check_writable, format_of, read_image, write_image
+from alight.outputs.atomic import check_folder
+from alight.outputs.image import FORMATS, check_writable, format_of, read_picture, write_image
 from alight.outputs.moving import MovingFile
+from alight.outputs.picture import Picture
 from alight.rendering import main_loop
 from alight.rendering.executors.blocks import Crew, Threads
 from alight.rendering.executors.cluster_executor import joined
@@ -145,10 +148,13 @@ class Animation:
         single = options.of_frame(())
         self.prepared = prepare(scene, single)
         asked = [name for name in single.aovs if name not in single.layers_of_background]
-        # A film shows what a PNG file does.
-        targets = replace(self.prepared.targets, outputs=self.patterns or [Path("film.png")])
+        # A film shows what a JPEG file does.
+        targets = replace(self.prepared.targets, outputs=self.patterns or [Path("film.jpg")])
         self.prepared.useless.extend(targets.useless(asked, single.background != "scene"))
         self.scene, self.current = self.prepared.scene, self.numbers.start
+        if options.turntable and place_camera(self.scene).motion is not None:
+            text = "{turntable} takes the camera as it is at first, without its motion"
+            self.prepared.useless.append((text, ("turntable",)))
         # What the scene says already is not said again for every frame.
         self.single = single.with_loaded_scene()
         #: By frame: threads are done in any order.
@@ -165,6 +171,7 @@ class Animation:
             raise OptionError(text, "", ("output",))
         for path in self.films:
             moving.check_encoder(path)
+            check_folder(path)
         for path in self.patterns:
             if is_film_file(path):
                 raise OptionError(f"films are of single pictures; got {path}", "output")
@@ -251,18 +258,18 @@ class Animation:
         self._kept[number] = [path for path in paths if path not in missing]
         linear = [path for path in paths if path.suffix.lower() in exr.SUFFIXES]
         if paths and not missing and (linear or not self.films):
-            return self._shown(read_image(linear[0])) if self.films else _NOTHING
+            return self._shown(read_picture(linear[0])) if self.films else _NOTHING
         executor = None if self.single.cluster is not None else Threads(crew)
         film = main_loop.render_film(scene, self._options_of(number), executor)
         if self._stop.is_set():
             raise _CancelledError
         self._note_pace(film)
         self.warnings.update(dict.fromkeys(film.warnings))
-        picture = film.picture(layers=any(format_of(path).KEEPS_LAYERS for path in missing))
+        picture = self._picture_of(film, any(format_of(path).KEEPS_LAYERS for path in missing))
         picture = replace(picture, attributes={**picture.attributes, FRAME: label})
         for path in missing:
             write_image(path, picture, **asdict(self.options.display))
-        return self._shown(picture.straight) if self.films else _NOTHING
+        return self._shown(picture) if self.films else _NOTHING
 
     def _options_of(self, number: int) -> RenderOptions:
         """The options of a frame's render: its progress is shown while it is the current one."""
@@ -284,9 +291,14 @@ class Animation:
             spp = 1e6 * film.stats["msamples_per_s"] * seconds / (width * height)
             self._pace = {"spp_per_pass": max(1, round(spp))}
 
-    def _shown(self, linear: np.ndarray) -> np.ndarray:
-        """What a film shows of a picture, uint8."""
-        return np.rint(255.0 * self.options.display.apply(linear)).astype(np.uint8)
+    def _picture_of(self, film: Film, layers: bool) -> Picture:
+        """What the files of a frame hold."""
+        return denoise(film)[0] if self.single.denoise else film.picture(layers)
+
+    def _shown(self, picture: Picture) -> np.ndarray:
+        """What a film shows of a picture, uint8: without alpha, it is seen over black."""
+        display = self.options.display.developed(picture.straight)
+        return np.rint(255.0 * display.apply(picture.image)).astype(np.uint8)
 
     def scene_of(self, number: int) -> Scene:
         """The scene of a frame."""

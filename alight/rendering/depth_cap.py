@@ -45,6 +45,9 @@ _PIXELS, _LEAST, _MOST = 8, 2048, 2**16
 #: So many times more where light is found by chance alone.
 _BY_CHANCE = 8
 
+#: Cells of a pilot, whatever their samples: how much they differ is what it knows of its error.
+_FEWEST_CELLS = 8
+
 #: How often light behind glass is to be met, in the mean, and the most samples for that.
 _OFTEN, _MOST_FOR_GLASS = 100, 2**17
 
@@ -98,7 +101,11 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
         caps = (cap, cap + _FURTHER, cap + 2 * _FURTHER)
     scratch, brightest = Scratch(), 0.0
     pixels = np.array([(tile.x1 - tile.x0) * (tile.y1 - tile.y0) for tile in tiles], np.float64)
-    sums, ranges = np.zeros((len(tiles), len(caps))), np.array([[[0, spp]]])
+    one, replicates = len(tiles) == 1, job.rounds[0].replicates
+    if one:
+        # A single cell, the whole picture, is no spread: its replicates, pixel by pixel, are.
+        pixels = np.full(int(pixels[0]) * replicates, 1.0 / replicates)
+    sums, ranges = np.zeros((len(pixels), len(caps))), np.array([[[0, spp]]])
     # Settings that are given again, as the same object, are not taken apart again.
     for j, limit in enumerate(caps):
         settings = job.settings._replace(seed=seed, max_depth=limit)
@@ -107,7 +114,7 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
             # A replicate of a pixel has one sample, but for the most in small pictures.
             samples = to_float(part.sums[..., :3, :]).mean(axis=3)
             brightest = max(brightest, float(samples.max()))
-            sums[i, j] = samples.sum() / spp
+            sums[slice(None) if one else i, j] = (samples.ravel() if one else samples.sum()) / spp
     found = sums[:, 1:] - sums[:, :-1]
     total, slope = _series(found.sum(axis=0))
     radiance = total / pixels.sum()
@@ -115,7 +122,7 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
         return Lost(math.inf, math.inf)
     # A ratio of sums over cells that are independent of each other.
     residual = found @ slope - radiance * pixels
-    spread = float((residual**2).sum()) * len(tiles) / max(len(tiles) - 1, 1)
+    spread = float((residual**2).sum()) * len(pixels) / max(len(pixels) - 1, 1)
     error = math.sqrt(spread) / float(pixels.sum())
     if job.scene.integrator.finds_light_by_chance or job.behind_glass is not None:
         error = math.hypot(error, _RULE_OF_THREE * brightest / (spp * float(pixels.sum())))
@@ -159,7 +166,7 @@ def _some_cells(job: Job, seed: int) -> tuple[list[Tile], int]:
         samples = max(samples, _enough(job.behind_glass))
     rows, columns = cells_of(*film.crop)
     down, across = rows.stop - rows.start, columns.stop - columns.start
-    count = math.ceil(samples / (CELL_SIZE**2 * film.replicates))
+    count = max(math.ceil(samples / (CELL_SIZE**2 * film.replicates)), _FEWEST_CELLS)
     more = math.ceil(count / (down * across)) if job.behind_glass is not None else 1
     count = min(count, down * across)
     chosen = np.random.default_rng(seed).permutation(down * across)[:count]

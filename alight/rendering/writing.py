@@ -18,6 +18,7 @@ from alight.films import Film
 from alight.films.denoising import check_denoiser, denoise
 from alight.films.ledger import Bias
 from alight.films.storage import is_film_file, save_film
+from alight.outputs import png
 from alight.outputs.atomic import check_folder
 from alight.outputs.display import Display
 from alight.outputs.image import check_writable, format_of, write_image
@@ -92,6 +93,11 @@ class Targets:
                 "(PNG, JPEG) only"
             )
             found.append((text, names))
+        elif self.display.bits > 8 and png not in formats:
+            found.append(("{bits}: only PNG has 16; add {output} FILE.png", ("bits", "output")))
+        if self.denoise and not pictures:
+            text = "{denoise}: a film keeps its samples as they are; add {output} FILE.exr"
+            found.append((text, ("denoise", "output")))
         if self.display.dpi is not None and not any(module.KEEPS_DPI for module in formats):
             found.append(("{dpi}: only PNG, JPEG and EXR keep it", ("dpi",)))
         keeps_alpha = len(pictures) < len(self.outputs) or any(m.KEEPS_ALPHA for m in formats)

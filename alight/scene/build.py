@@ -61,7 +61,11 @@ class Builder:
                 f"must be {FORMAT_VERSION} (the version of the format), got {show_value(version)}"
             )
             self.report("alight", text)
-        scene = self.fields(Scene, data, "")
+        try:
+            scene = self.fields(Scene, data, "")
+        except RecursionError:
+            self.report("", "is nested too deeply, or holds itself")
+            return Scene()
         return scene if isinstance(scene, Scene) else Scene()
 
     def fields(self, spec: type[Spec], data: Mapping[str, Any], path: str) -> Spec | None:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from typing import Any, Self
 
-from alight.core.errors import Issue, SceneError, join_path, quote, unknown_name
+from alight.core.errors import Issue, SceneError, join_path, quote, show_value, unknown_name
 from alight.core.registry import FAMILIES_OF_SCENES, specs
 from alight.core.spec import Bsdf, Texture
 from alight.scene import plain_yaml
@@ -149,6 +149,8 @@ class SceneManager:
         SceneError
             If there is no such key, or the value does not fit.
         """
+        if not isinstance(assignment, str):
+            raise _error("--set", f"must be path.to.key=value, got {show_value(assignment)}")
         path, equals, text = assignment.partition("=")
         if not equals or not path.strip():
             raise _error("--set", f"must be path.to.key=value, got {quote(assignment)}")
@@ -173,6 +175,8 @@ class SceneManager:
         SceneError
             If there is no such key, with the nearest one, or the value does not fit.
         """
+        if not isinstance(path, str):
+            raise _error("scene", f"key paths are texts, got {show_value(path)}")
         return self._edit(path.strip(), value)
 
     def _edit(self, path: str, value: Any) -> Self:

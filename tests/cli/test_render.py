@@ -11,7 +11,9 @@ from typer.testing import CliRunner
 
 from alight.cli.main import app
 from alight.outputs import read_image
+from alight.outputs.display import Display
 from alight.outputs.exr import read_layers
+from alight.rendering.writing import Targets
 from tests.cli.stub import StubRender
 
 SMALL = ["--size", "24x16", "--spp", "16"]
@@ -174,14 +176,23 @@ def test_options_without_effect_are_warned_of(alight):
         ("--every 10m", "--every does nothing without --checkpoint"),
         ("--dpi 300 -o a.hdr", "--dpi: only PNG, JPEG and EXR keep it"),
         ("--background transparent -o a.jpg", "--background: only EXR and PNG keep alpha"),
+        ("--bits 16 -o a.jpg", "--bits: only PNG has 16"),
+        ("--error 5", "--error: asks for 500 %; 5% is less"),
     ],
 )
 def test_words_that_need_others_are_warned_of(alight, words, said):
     spp = () if "--error" in words else ("--spp", "1")
     assert said in alight("render", "material-ball", "--size", "8x8", *spp, *words.split()).stderr
     more = "--error 90% --metric pixel --checkpoint a.checkpoint -o b.png"
-    quiet = alight("render", "material-ball", "--size", "8x8", *more.split(), *words.split())
-    assert "does nothing" not in quiet.stderr and "keep" not in quiet.stderr
+    quiet = alight("render", "material-ball", "--size", "8x8", *words.split(), *more.split())
+    for text in ("does nothing", "keep", "only PNG", "asks for"):
+        assert text not in quiet.stderr
+
+
+@pytest.mark.parametrize(("names", "told"), [(["a.alight"], 1), (["a.alight", "a.exr"], 0)])
+def test_a_film_alone_is_never_denoised_and_that_is_told(names, told):
+    targets = Targets([Path(name) for name in names], Display(), denoise=True)
+    assert len(targets.useless([], False)) == told
 
 
 # ---------------------------------------------------------------------------- Ctrl-C
@@ -241,7 +252,10 @@ MISTAKES = {
     "tone map": (["--tone-map", "acess"], 'unknown tone map "acess"; did you mean "aces"?'),
     "exposure": (["--exposure", "1000"], 'lie in [-100, 100] stops, got "1000"'),
     "bits": (["--bits", "9"], "bits per channel must be 8 or 16, got 9"),
-    "size": (["--size", "big"], '--size: must be WIDTHxHEIGHT in pixels, as 512x512, got "big"'),
+    "size": (
+        ["--size", "big"],
+        '--size: must be WIDTHxHEIGHT in pixels or on paper, as 512x512 or 9x6cm, got "big"',
+    ),
     "no pixels": (["--size", "0x4"], "film.size"),
     "too many pixels": (["--size", "99999x99999"], "film"),
     "crop": (["--crop", "1,2,3"], '--crop: must be X,Y,WIDTH,HEIGHT in pixels, got "1,2,3"'),

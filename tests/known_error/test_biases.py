@@ -60,6 +60,16 @@ def test_a_depth_cap_says_what_it_cuts_off(box, integrator):
     assert film.stats["biases"] == [bias.state()]
 
 
+@pytest.mark.parametrize(
+    ("size", "replicates"), [((48, 40), 64), ((8, 8), 4), ((8, 8), 64), ((1, 1), 4)]
+)
+def test_what_a_cap_cuts_off_has_an_error_however_few_cells_are_looked_at(box, size, replicates):
+    scene = alight.changed(box("{type: path, max_depth: 3, rr_depth: 2}"), {"film.size": size})
+    (bias,) = alight.render(scene, spp=1, replicates=replicates).biases
+    assert 0.0 < bias.error < 0.2
+    assert bias.effect == pytest.approx(-0.125, abs=4.0 * bias.error)
+
+
 def test_a_picture_without_a_bias_has_an_empty_ledger(box):
     film = alight.render(box("{type: path}"), spp=8)
     assert film.biases == ()

@@ -2,8 +2,10 @@
 
 import itertools
 
+import numpy as np
 import pytest
 
+import alight
 from alight.formats import loads
 from alight.options.loading import scene_of
 from alight.options.render import RenderOptions
@@ -31,3 +33,17 @@ def test_a_new_size_shows_all_of_the_picture_unless_a_crop_is_asked_for(size, cr
 def test_paper_has_the_pixels_of_its_inches(dpi, pixels):
     options = RenderOptions(size="3.5x2.5in", dpi=dpi)
     assert scene_of(loads(SCENE), options).film.size == pixels
+
+
+@pytest.mark.parametrize("size", [8, np.int64(8), (8, 8), np.array([8, 8])])
+def test_sizes_and_crops_may_be_of_numpy(size):
+    options = RenderOptions(size=size, crop=np.array([1, 2, 3, 4]))
+    assert options.size == (8, 8) and options.crop == (1, 2, 3, 4)
+
+
+@pytest.mark.parametrize("size", [8.0, np.float64(8), (8, 8, 8), np.array([8.0, 8.0]), "3cm"])
+def test_what_is_no_size_is_refused(size):
+    with pytest.raises(
+        alight.OptionError, match=r"^size: must be WIDTHxHEIGHT in pixels or on pap"
+    ):
+        RenderOptions(size=size)

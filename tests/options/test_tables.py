@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+from pathlib import Path
 
 import pytest
 import typer
@@ -14,6 +15,7 @@ from alight.options import animation, laboratory, render, resume, view
 from alight.options.kinds import Anything, File, Files
 from alight.options.render import RenderOptions
 from alight.options.table import PANELS, Options, documented
+from alight.rendering.schedules.schedule import Uniform
 from tests.options.examples import WRONG, example
 
 TABLES = [
@@ -128,7 +130,7 @@ def test_contradictions_are_refused_in_the_words_of_the_user():
             "error", "--error"
         ).replace(" spp", " --spp")
     with pytest.raises(OptionError, match=r"schedule decides itself .* leave out error"):
-        alight.RenderOptions(schedule=object(), error=0.1)
+        alight.RenderOptions(schedule=Uniform(0, 4), error=0.1)
 
 
 def test_options_cannot_be_changed_but_copied():
@@ -168,3 +170,15 @@ def test_a_transparent_background_asks_for_what_it_takes():
 def test_what_only_python_has_goes_last(table):
     has_flags = [bool(one.flags) for one in table.options().values()]
     assert has_flags == sorted(has_flags, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("progress", 3), ("cancel", 3), ("schedule", 3), ("notes", 3), ("notes", {"a": object()}),
+        ("notes", {"a": Path("b")}),
+    ],
+)  # fmt: skip
+def test_objects_that_would_end_a_render_in_its_midst_are_refused_before(name, value):
+    with pytest.raises(OptionError, match=f"^{name}: must be "):
+        RenderOptions(**{name: value})

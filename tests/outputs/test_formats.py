@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from alight.core.errors import OutputError
-from alight.core.srgb import encode_srgb
+from alight.core.srgb import decode_srgb, encode_srgb
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.outputs import FORMATS, hdr, npy, read_image, write_image
@@ -169,6 +169,27 @@ def test_png_holds_provenance(tmp_path):
 def test_png_is_read_as_linear(tmp_path):
     write_image(tmp_path / "a.png", np.full((2, 2), 0.2))
     np.testing.assert_allclose(read_image(tmp_path / "a.png"), 0.2, atol=0.003)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_what_a_png_holds_is_read_to_its_last_bit(tmp_path, bits):
+    linear = np.random.default_rng(2).random((30, 40, 3))
+    write_image(tmp_path / "a.png", linear, bits=bits)
+    again = encode_srgb(read_image(tmp_path / "a.png"))
+    np.testing.assert_allclose(again, encode_srgb(linear), atol=0.51 / (2**bits - 1))
+
+
+@pytest.mark.parametrize("mode", ["L", "LA", "I;16", "P", "RGBA"])
+def test_pngs_of_every_kind_are_read_as_their_colours(tmp_path, mode):
+    """Grey of 16 bits is not white, and colours are those before alpha."""
+    grey = np.arange(0, 256, 5, np.uint8)[None]
+    if mode == "I;16":
+        image = Image.fromarray(grey.astype(np.uint16) * 257)
+    else:
+        image = Image.fromarray(grey).convert(mode)
+    image.save(tmp_path / "a.png")
+    wanted = np.repeat(grey[..., None], 3, axis=2) / 255.0
+    np.testing.assert_allclose(read_image(tmp_path / "a.png"), decode_srgb(wanted), atol=1e-6)
 
 
 def test_jpeg_is_near_the_picture(tmp_path):

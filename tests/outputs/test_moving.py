@@ -1,15 +1,19 @@
 """Files of many pictures: every frame once, for its time, while the next ones are made."""
 
 import struct
+import subprocess
+import sys
 import weakref
 import zlib
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from alight.core.errors import OutputError
-from alight.outputs.moving import MovingFile, played_fps
+from alight.outputs.moving import MovingFile, played_fps, write_moving
 
 
 def frames(count, height=4, width=6):
@@ -105,3 +109,37 @@ def test_the_nearest_that_gif_has(tmp_path, fps, played):
             film.add(frame)
     with Image.open(path) as image:
         assert 1000.0 / image.info["duration"] == pytest.approx(played)
+
+
+@pytest.mark.parametrize("matrix", ["bt709", "auto"])
+def test_an_mp4_has_the_colours_of_its_frames(tmp_path, matrix):
+    """By the matrix that the file names, which players of high definition take in any case."""
+    ffmpeg = pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
+    colors = [(255, 0, 0), (0, 200, 0), (0, 0, 255), (90, 120, 150)]
+    path = tmp_path / "a.mp4"
+    write_moving(path, [np.full((16, 24, 3), c, np.uint8) for c in colors], 24, 4)
+    words = ["-i", path, "-vf", f"scale=in_color_matrix={matrix}"]
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    done = subprocess.run([ffmpeg, "-loglevel", "error", *words, *raw], capture_output=True)
+    seen = np.frombuffer(done.stdout, np.uint8).reshape(4, 16, 24, 3)
+    np.testing.assert_allclose(seen[:, 8, 12], colors, atol=4)
+
+
+def test_an_mp4_says_how_its_colours_are_meant(tmp_path, monkeypatch):
+    given = {}
+
+    def write_frames(path, size, **words):
+        given.update(words, size=size)
+        Path(path).touch()
+        while True:
+            yield
+
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", SimpleNamespace(write_frames=write_frames))
+    write_moving(tmp_path / "a.mp4", frames(2, 5, 7), 24, 2)
+    words = given["output_params"]
+    assert given["size"] == (6, 4)
+    assert words[words.index("-colorspace") + 1] == "bt709"
+    assert "out_color_matrix=bt709" in words[words.index("-vf") + 1]
+    with pytest.raises(OutputError, match="MP4 needs at least 2x2 pixels, got 7x1"):
+        write_moving(tmp_path / "b.mp4", frames(1, 1, 7), 24, 1)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.mp4"]

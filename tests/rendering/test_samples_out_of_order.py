@@ -36,6 +36,10 @@ def test_samples_that_came_out_of_order_leave_no_hole(tmp_path, monkeypatch):
         return prepare_resume(path, ResumeOptions(spp=spp)).warnings()
 
     assert warnings_of(SPP) == []
+    promised = ResumeOptions(metric="pixel", confidence=0.99)
+    assert prepare_resume(path, promised).warnings(str.upper) == [
+        f"{name} does nothing without ERROR" for name in ("CONFIDENCE", "METRIC")
+    ]
     end = f"beyond spp 23, which stay: {SPP} or more gives all pixels the same"
     assert [warning[-len(end) :] for warning in warnings_of(SPP - 1)] == [end]
     assert_same(alight.resume(path, spp=SPP), alight.render("cornell-box", spp=SPP, **RENDER))

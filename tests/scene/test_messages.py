@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from alight.core.errors import SceneError
+from alight.core.errors import AlightError, SceneError
 from alight.formats import load, loads
+from alight.formats.loading import changed
+from alight.scene import Scene
 
 SNAPSHOT = Path(__file__).with_name("messages.txt")
 UPDATE = bool(os.environ.get("ALIGHT_UPDATE_SNAPSHOTS"))
@@ -333,6 +335,27 @@ def test_files_that_cannot_be_read(tmp_path):
         with pytest.raises(SceneError) as caught:
             load(name)
         assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("radius", "message"), [(10**400, "must be at most 1e.15"), (-(10**400), "must be at most")]
+)
+def test_whole_numbers_beyond_all_floats_are_refused(radius, message):
+    with pytest.raises(SceneError, match=message):
+        load({"nodes": {"ball": {"shape": {"type": "sphere", "radius": radius}}}})
+
+
+def test_data_that_holds_itself_is_refused():
+    node: dict = {}
+    node["children"] = {"again": node}
+    with pytest.raises(SceneError, match="nested too deeply, or holds itself"):
+        load({"nodes": {"node": node}})
+
+
+@pytest.mark.parametrize("changes", [None, 3, {3: 4}, {b"camera.fov": 3}, [3]])
+def test_changes_that_are_none_are_refused(changes):
+    with pytest.raises(AlightError, match=r"must (map key paths|be path\.to\.key)|are texts"):
+        changed(Scene(), changes)
 
 
 def test_too_large_files_are_refused_unread(tmp_path):

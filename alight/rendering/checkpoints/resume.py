@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from alight.core.errors import FilmError, SceneError
+from alight.core.errors import FilmError, OptionError, SceneError
 from alight.films import Film
 from alight.films.coverage import check_same_names
 from alight.formats import load
@@ -52,6 +52,11 @@ class PreparedResume:
 
     def warnings(self, spell: Callable[[str], str] = str) -> list[str]:
         """What is legal but suspicious."""
+        useless = self.options.useless()
+        found = [OptionError(text, names=names).spelled(spell) for text, names in useless]
+        return found + self._warnings_of_samples(spell)
+
+    def _warnings_of_samples(self, spell: Callable[[str], str]) -> list[str]:
         held, spp = self.saved.state.rounds[0].spp, self.options.spp
         if spp is None or self.options.promise:
             return []
