@@ -7,9 +7,9 @@ from scipy import special
 from alight.bsdfs.fibres import hair
 from alight.bsdfs.fibres.lobes import scaled_bessel
 from alight.laws.materials import Material
-from alight.laws.statistics import SphereCells
+from alight.laws.statistics import SIDES, sphere_cells
 
-CELLS = SphereCells(side=64)
+CELLS = sphere_cells(SIDES[1])
 
 
 def from_above(h: float, height: float) -> np.ndarray:

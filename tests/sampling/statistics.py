@@ -2,20 +2,22 @@
 
 from alight.laws.statistics import (
     LARGEST_Z,
+    SIDES,
     SIGNIFICANCE,
-    SphereCells,
     chi_square,
     length_error,
+    sphere_cells,
     unit_vectors,
     z_of_mean,
 )
 
 __all__ = [
     "LARGEST_Z",
+    "SIDES",
     "SIGNIFICANCE",
-    "SphereCells",
     "chi_square",
     "length_error",
+    "sphere_cells",
     "unit_vectors",
     "z_of_mean",
 ]

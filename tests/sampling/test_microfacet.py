@@ -26,14 +26,15 @@ from lanewise.jit import instantiate
 from lanewise.vec3 import Vec3
 from tests.sampling.materials import direction, random_numbers
 from tests.sampling.statistics import (
+    SIDES,
     SIGNIFICANCE,
-    SphereCells,
     chi_square,
     length_error,
+    sphere_cells,
     unit_vectors,
 )
 
-CELLS = SphereCells()
+CELLS = sphere_cells(SIDES[0])
 N = 60_000
 f = np.float32
 

@@ -20,9 +20,9 @@ from alight.core.warps import (
 )
 from lanewise.vec3 import Vec3
 from tests.sampling.materials import random_numbers
-from tests.sampling.statistics import SIGNIFICANCE, SphereCells, chi_square, length_error
+from tests.sampling.statistics import SIDES, SIGNIFICANCE, chi_square, length_error, sphere_cells
 
-CELLS = SphereCells()
+CELLS = sphere_cells(SIDES[0])
 N = 100_000
 f = np.float32
 
