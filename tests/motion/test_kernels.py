@@ -140,11 +140,11 @@ def test_tree_list_and_twin_find_the_same_bits(what):
 
 #: Two meshes, which share one table of corners, and something between them.
 PARTS = (
-    "{type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "
-    "faces: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}",
+    """{type: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        faces: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}""",
     "disk",
-    "{type: mesh, vertices: [[-1, 0, 1], [-2, 0, 1], [-1, 1, 0], [-1, 0, 2]], "
-    "faces: [[1, 2, 3], [0, 3, 2]]}",
+    """{type: mesh, vertices: [[-1, 0, 1], [-2, 0, 1], [-1, 1, 0], [-1, 0, 2]],
+        faces: [[1, 2, 3], [0, 3, 2]]}""",
 )
 
 

@@ -7,7 +7,9 @@ ALIKE = (
     "tests/motion/test_kernels.py"
     "::test_of_copies_that_move_alike_the_first_is_met_as_if_it_were_alone"
 )
-CHARTS = "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides"
+JOINTS = "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides"
+CLASS = '"class", value.__qualname__, getattr(value, "_fields", ""))\n            '
+DIGEST = "tests/lanewise/test_source_digest.py::test_a_digest_changes_with_what_the_kernel_sees"
 NORMALS = "tests/meshes/test_vertex_normals.py"
 RECORDS = "tests/lanewise/test_records.py"
 
@@ -55,7 +57,7 @@ FOUNDATIONS = (
         "u of the end of a strand where its last line begins",
         "shapes/strand_rows.py",
         (("(parts.first + parts.span)[ends]", "parts.first[ends]"),),
-        CHARTS,
+        JOINTS,
     ),
     Mutant(
         "steps of composed textures without those of the operators",
@@ -115,6 +117,57 @@ FOUNDATIONS = (
         "shapes/hit.py",
         (('return bends or "uv" in program.aovs or', "return bends or"),),
         "tests/shapes/test_surfaces.py::test_angles_are_found_where_anything_reads_them[layer]",
+    ),
+    Mutant(
+        "the tree of another builder",
+        "accel/kept.py",
+        (("_TREES, (vertices, faces), method,", '_TREES, (vertices, faces), "sah",'),),
+        "tests/accel/test_build.py::test_a_tree_that_is_kept_is_that_of_its_builder",
+    ),
+    Mutant(
+        "shapes of arrays are equal if any field is",
+        "shapes/arrays.py",
+        (("return all(_same(value,", "return any(_same(value,"),),
+        "tests/shapes/test_equal_arrays.py::test_shapes_differ_if_any_field_does[Mesh-uvs]",
+    ),
+    Mutant(
+        "cylinders have a length but at the origin",
+        "shapes/cylinder.py",
+        (("if self.p0 == self.p1:", "if self.p0 == (0.0, 0.0, 0.0) == self.p1:"),),
+        "tests/shapes/test_cylinder.py::test_an_axis_without_length_is_refused[p1]",
+    ),
+    Mutant(
+        "machine code of scripts is stale where a default by keyword has changed",
+        "source_digest.py",
+        (
+            (
+                "__kwdefaults__)\n            self.globals(function)",
+                "__defaults__)\n            self.globals(function)",
+            ),
+        ),
+        f"{DIGEST}[default by keyword]",
+        "lanewise",
+    ),
+    Mutant(
+        "machine code of scripts is stale where a default of a record has changed",
+        "source_digest.py",
+        ((f"{CLASS}self.feed(", f"{CLASS}repr("),),
+        f"{DIGEST}[default of a record]",
+        "lanewise",
+    ),
+    Mutant(
+        "object code that calls Numba's own functions",
+        "numba_adapter.py",
+        (("if outside:\n        names", "if not code:\n        names"),),
+        "tests/lanewise/test_object_code.py::test_code_that_calls_numbas_own_functions_is_refused",
+        "lanewise",
+    ),
+    Mutant(
+        "vectors shuffled from behind",
+        "wide_instructions.py",
+        (("builder, args[0], args[0], constants", "builder, args[0], args[0], constants[::-1]"),),
+        "tests/lanewise/test_wide.py::test_parts_and_places_of_vectors[True]",
+        "lanewise",
     ),
     Mutant(
         "ties between lists and the tree go to the list",

@@ -88,7 +88,7 @@ def test_coordinates_are_those_of_the_first_part_that_has_some():
 
 @pytest.mark.parametrize("step", [{}, 3, {"scale": 2, "rotate": 5}, {"shear": 1}])
 def test_a_step_of_a_lookup_is_one_of_four(step):
-    with pytest.raises(SceneError, match="exactly one of translate, scale|unknown step"):
+    with pytest.raises(SceneError, match=r"exactly one of translate, scale|unknown step"):
         Bitmap(pixels=A.pixels, to_uv=[{"scale": 2}, step])
 
 
