@@ -119,6 +119,18 @@ FOUNDATIONS = (
         "tests/shapes/test_surfaces.py::test_angles_are_found_where_anything_reads_them[layer]",
     ),
     Mutant(
+        "unsure where all channels are",
+        "metrics/pixel_bars.py",
+        (("np.any(thin, axis=0)", "np.all(thin, axis=0)"),),
+        "tests/metrics/test_pixel_bars.py::test_one_channel_is_enough_to_be_unsure[1]",
+    ),
+    Mutant(
+        "black bodies by the exponential alone",
+        "core/spectra.py",
+        (("np.expm1(_SECOND", "np.exp(_SECOND"),),
+        "tests/core/test_spectra.py::test_a_black_body_shines_by_plancks_law[40000.0]",
+    ),
+    Mutant(
         "the tree of another builder",
         "accel/kept.py",
         (("_TREES, (vertices, faces), method,", '_TREES, (vertices, faces), "sah",'),),
