@@ -131,6 +131,12 @@ FOUNDATIONS = (
         "tests/core/test_spectra.py::test_a_black_body_shines_by_plancks_law[40000.0]",
     ),
     Mutant(
+        "thin lenses are sharp elsewhere by default",
+        "cameras/thin_lens.py",
+        (("focus_distance: Positive = 1.0", "focus_distance: Positive = 10.0"),),
+        "tests/docs/test_stated_defaults.py::test_defaults_are_as_stated[Camera-thin_lens]",
+    ),
+    Mutant(
         "the tree of another builder",
         "accel/kept.py",
         (("_TREES, (vertices, faces), method,", '_TREES, (vertices, faces), "sah",'),),
