@@ -4,7 +4,7 @@ from tests.mutants.mutant import Mutant
 
 ADAPTER = "tests/lanewise/test_adapter.py::test_instructions_that_do_nothing_are_told"
 ALIKE = (
-    "tests/motion/test_kernels.py"
+    "tests/motion/test_copies.py"
     "::test_of_copies_that_move_alike_the_first_is_met_as_if_it_were_alone"
 )
 JOINTS = "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides"
