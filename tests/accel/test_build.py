@@ -7,6 +7,7 @@ from alight.accel import batch, top_division
 from alight.accel.build import build_bvh
 from alight.accel.cost import BIG, waits_for_memory
 from alight.accel.fill import expected_fill
+from alight.accel.kept import tree_of
 from alight.accel.layout import (
     BLOCK,
     CHILD,
@@ -136,6 +137,20 @@ def test_sah_costs_less_than_the_median():
     vertices, faces = torus(300, 100, 0.15)
     costs = [sah_cost(batch.build(vertices, faces, method=m)[0]) for m in ("sah", "median")]
     assert costs[0] < costs[1]
+
+
+def test_a_tree_that_is_kept_is_that_of_its_builder():
+    vertices, faces = torus(20, 15, 0.3)
+    vertices, faces = vertices.astype(np.float32), faces.astype(np.int32)
+    for array in (vertices, faces):
+        array.flags.writeable = False
+    kept = {m: tree_of(vertices, faces, method=m, threads=1) for m in ("sah", "median")}
+    for method, (tree, stats) in kept.items():
+        assert tree_of(vertices, faces, method=method, threads=2)[0] is tree
+        built, figures = build_bvh(vertices, faces, method=method, threads=1)
+        np.testing.assert_array_equal(tree.nodes.array, built.nodes.array)
+        assert {**stats, "seconds": 0} == {**figures, "seconds": 0}
+    assert not np.array_equal(*(tree.nodes.array[:NODE] for tree, _ in kept.values()))
 
 
 def test_rays_wait_for_memory_in_big_trees_only():

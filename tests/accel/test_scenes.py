@@ -154,7 +154,7 @@ def test_ties_between_a_list_and_the_tree_go_to_the_lowest_shape(number):
     at = np.linspace(-1.0, 1.0, 17)
     points = np.stack([*np.meshgrid(at, at), np.zeros((17, 17))], axis=-1).reshape(-1, 3)
     corner = (np.arange(16)[:, None] * 17 + np.arange(16)).reshape(-1, 1)
-    faces = np.concatenate([corner + [0, 1, 18], corner + [0, 18, 17]])
+    faces = np.concatenate([corner + turn for turn in ([0, 1, 18], [0, 18, 17])])
     walls = triangle_set(
         np.concatenate([[[-3, -1, 0], [3, -1, 0], [0, 5, 0]], points]),
         np.concatenate([[[0, 1, 2]], faces + 3]),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.core.spectra import reduction_error, to_linear_srgb
+from alight.core.spectra import blackbody, reduction_error, to_linear_srgb
 
 WIDE = np.array([300.0, 900.0])
 
@@ -55,3 +55,15 @@ def test_what_srgb_cannot_show_is_what_a_line_is_off_by():
 def test_darkness_is_not_off():
     assert reduction_error(WIDE, np.zeros(2), shines=True) == (0.0, 0.0)
     assert reduction_error(WIDE, np.zeros(2), shines=False) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("temperature", [1000.0, 2856.0, 6504.0, 40_000.0])
+def test_a_black_body_shines_by_plancks_law(temperature):
+    """With the constants that define the units."""
+    planck, light, boltzmann = 6.62607015e-34, 299_792_458.0, 1.380649e-23
+    nanometres, radiance = blackbody(temperature)
+    metres = 1e-9 * nanometres
+    quanta = planck * light / (metres * boltzmann * temperature)
+    per_metre = 2.0 * planck * light**2 / (metres**5 * (np.exp(quanta) - 1.0))
+    np.testing.assert_allclose(radiance, 1e-9 * per_metre, rtol=1e-9)
+    assert nanometres[0] < 400.0 < 700.0 < nanometres[-1]

@@ -126,21 +126,27 @@ def test_a_step_that_does_nothing_is_told(monkeypatch):
         canary.CHECKS["Float32Constants"]()
 
 
+def complaint_of(check, *arguments):
+    """What a check says is wrong, "" if it finds nothing."""
+    try:
+        check(*arguments)
+    except AssertionError as error:
+        return str(error)
+    return ""
+
+
 def test_instructions_that_do_nothing_are_told(monkeypatch):
     """Each of them is tried, and no comparison is left out."""
-    tried = []
-    with monkeypatch.context() as patched:
-        patched.setattr(canary_checks, "_try_elementwise", lambda *what: tried.append(what))
-        canary.CHECKS["instructions"]()
+    tried, try_one = [], canary_checks._try_elementwise
+    monkeypatch.setattr(canary_checks, "_try_elementwise", lambda *what: tried.append(what))
+    canary.CHECKS["instructions"]()
     elementwise = canary_checks.ELEMENTWISE.items()
     assert tried == [(function, count) for count, some in elementwise for function in some]
     monkeypatch.setattr(canary_checks, "instantiate", lambda text: lambda *arguments: None)
     for name in ("instructions", "object_code"):
-        with pytest.raises(AssertionError):
-            canary.CHECKS[name]()
+        assert complaint_of(canary.CHECKS[name]), f"{name} compares nothing"
     for function, count in tried:
-        with pytest.raises(AssertionError, match=function.__name__):
-            canary_checks._try_elementwise(function, count)
+        assert function.__name__ in complaint_of(try_one, function, count)
 
 
 def test_numba_is_told_of_locks_again_when_a_kernel_fails():

@@ -103,9 +103,12 @@ def test_code_that_calls_numbas_own_functions_is_refused(monkeypatch):
     made = library.object_code
     names = b"\0numba_frexp\0not_numba_ldexp\0numba_gil_ensure\0numba_unpickle\0"
     monkeypatch.setattr(library, "object_code", lambda self: made(self) + names)
-    text = "not there when a kernel runs: numba_frexp, numba_gil_ensure, numba_unpickle$"
-    with pytest.raises(UnsupportedError, match=text):
+    said = ""
+    try:
         numba_adapter.object_code(dispatcher_of(scaled_by(0.5)), (table,))
+    except UnsupportedError as error:
+        said = str(error)
+    assert said.endswith("when a kernel runs: numba_frexp, numba_gil_ensure, numba_unpickle")
 
 
 def scaled_by(factor):

@@ -16,7 +16,8 @@ SEEN = {
         "from lanewise.vec3 import Vec3\nV = Vec3({k}.0, 1.0, 1.0)", "V.x",
     ),
     "default of a record": (
-        "from collections import namedtuple\nR = namedtuple('R', 'x y', defaults=[{k}])", "R(1.0).y",
+        "from collections import namedtuple\nR = namedtuple('R', 'x y', defaults=[{k}])",
+        "R(1.0).y",
     ),
     "enumeration": ("from enum import IntEnum\nclass M(IntEnum):\n    A = {k}", "M.A + 0"),
     "helper": ("@kernel\ndef g(x):\n    return x * {k}", "g(1.0)"),

@@ -102,7 +102,7 @@ def test_each_light_that_can_be_aimed_at_has_its_middle_and_its_size(around):
 
 @pytest.mark.parametrize(("color", "far"), [([2, 0, 0], 1), ([5, 0, 0], 0)])
 def test_of_two_suns_the_brighter_one_is_aimed_at_in_its_colour(color, far):
-    """Alike but for where they stand: sunlight has about as much red as green, which is brighter."""
+    """Alike but for where they stand: of its red and its green, green is brighter."""
     both = "".join(
         f"  sun{i}: {{light: {{type: sun, sun_direction: [{x}, 1, 0], scale: {scale}}}}}\n"
         for i, (x, scale) in enumerate(((1, color), (-1, [0, 1, 0])))

@@ -158,7 +158,9 @@ def test_every_type_reaches_to_both_of_its_ends(kind, form):
         lines = ["ply", f"format {form} 1.0", "element vertex 2"]
         lines += [f"property {name} {axis}" for axis in "xyz"]
         body = b"".join(
-            f"{end!r} ".encode() if form == "ascii" else np.array(end, FORMATS[form] + kind).tobytes()
+            f"{end!r} ".encode()
+            if form == "ascii"
+            else np.array(end, FORMATS[form] + kind).tobytes()
             for end in ends
             for _ in "xyz"
         )

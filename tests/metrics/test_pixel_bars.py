@@ -105,6 +105,17 @@ def test_one_firefly_leaves_the_pixels_around_unsure():
     assert 0.0 < unsure.mean() < 1.0
 
 
+@pytest.mark.parametrize("channel", range(3))
+def test_one_channel_is_enough_to_be_unsure(channel):
+    """A lamp behind coloured glass is missing in one."""
+    planes = gaussian(np.random.default_rng(4), 400)
+    means = np.repeat(np.moveaxis(planes, 0, 2)[..., None], 3, axis=-1).astype(np.float32)
+    counts = np.full(means.shape[:3], 4)
+    assert pixel_bars(means, counts).unsure_share == 0.0
+    means[20, 20, 2, channel] += 40.0
+    assert pixel_bars(means, counts).unsure[16:24, 16:24].all()
+
+
 def test_bars_scale_with_the_light_and_do_not_know_the_order_of_replicates():
     planes = rare(np.random.default_rng(5), 4)
     a, b, c = bars_of(planes), bars_of(4.0 * planes), bars_of(planes[::-1])

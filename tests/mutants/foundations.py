@@ -4,10 +4,12 @@ from tests.mutants.mutant import Mutant
 
 ADAPTER = "tests/lanewise/test_adapter.py::test_instructions_that_do_nothing_are_told"
 ALIKE = (
-    "tests/motion/test_kernels.py"
+    "tests/motion/test_copies.py"
     "::test_of_copies_that_move_alike_the_first_is_met_as_if_it_were_alone"
 )
-CHARTS = "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides"
+JOINTS = "tests/shapes/test_curves.py::test_balls_at_joints_know_the_lines_on_both_sides"
+CLASS = '"class", value.__qualname__, getattr(value, "_fields", ""))\n            '
+DIGEST = "tests/lanewise/test_source_digest.py::test_a_digest_changes_with_what_the_kernel_sees"
 NORMALS = "tests/meshes/test_vertex_normals.py"
 RECORDS = "tests/lanewise/test_records.py"
 
@@ -55,7 +57,7 @@ FOUNDATIONS = (
         "u of the end of a strand where its last line begins",
         "shapes/strand_rows.py",
         (("(parts.first + parts.span)[ends]", "parts.first[ends]"),),
-        CHARTS,
+        JOINTS,
     ),
     Mutant(
         "steps of composed textures without those of the operators",
@@ -115,6 +117,75 @@ FOUNDATIONS = (
         "shapes/hit.py",
         (('return bends or "uv" in program.aovs or', "return bends or"),),
         "tests/shapes/test_surfaces.py::test_angles_are_found_where_anything_reads_them[layer]",
+    ),
+    Mutant(
+        "unsure where all channels are",
+        "metrics/pixel_bars.py",
+        (("np.any(thin, axis=0)", "np.all(thin, axis=0)"),),
+        "tests/metrics/test_pixel_bars.py::test_one_channel_is_enough_to_be_unsure[1]",
+    ),
+    Mutant(
+        "black bodies by the exponential alone",
+        "core/spectra.py",
+        (("np.expm1(_SECOND", "np.exp(_SECOND"),),
+        "tests/core/test_spectra.py::test_a_black_body_shines_by_plancks_law[40000.0]",
+    ),
+    Mutant(
+        "thin lenses are sharp elsewhere by default",
+        "cameras/thin_lens.py",
+        (("focus_distance: Positive = 1.0", "focus_distance: Positive = 10.0"),),
+        "tests/docs/test_stated_defaults.py::test_defaults_are_as_stated[Camera-thin_lens]",
+    ),
+    Mutant(
+        "the tree of another builder",
+        "accel/kept.py",
+        (("_TREES, (vertices, faces), method,", '_TREES, (vertices, faces), "sah",'),),
+        "tests/accel/test_build.py::test_a_tree_that_is_kept_is_that_of_its_builder",
+    ),
+    Mutant(
+        "shapes of arrays are equal if any field is",
+        "shapes/arrays.py",
+        (("return all(_same(value,", "return any(_same(value,"),),
+        "tests/shapes/test_equal_arrays.py::test_shapes_differ_if_any_field_does[Mesh-uvs]",
+    ),
+    Mutant(
+        "cylinders have a length but at the origin",
+        "shapes/cylinder.py",
+        (("if self.p0 == self.p1:", "if self.p0 == (0.0, 0.0, 0.0) == self.p1:"),),
+        "tests/shapes/test_cylinder.py::test_an_axis_without_length_is_refused[p1]",
+    ),
+    Mutant(
+        "machine code of scripts is stale where a default by keyword has changed",
+        "source_digest.py",
+        (
+            (
+                "__kwdefaults__)\n            self.globals(function)",
+                "__defaults__)\n            self.globals(function)",
+            ),
+        ),
+        f"{DIGEST}[default by keyword]",
+        "lanewise",
+    ),
+    Mutant(
+        "machine code of scripts is stale where a default of a record has changed",
+        "source_digest.py",
+        ((f"{CLASS}self.feed(", f"{CLASS}repr("),),
+        f"{DIGEST}[default of a record]",
+        "lanewise",
+    ),
+    Mutant(
+        "object code that calls Numba's own functions",
+        "numba_adapter.py",
+        (("if outside:\n        names", "if not code:\n        names"),),
+        "tests/lanewise/test_object_code.py::test_code_that_calls_numbas_own_functions_is_refused",
+        "lanewise",
+    ),
+    Mutant(
+        "vectors shuffled from behind",
+        "wide_instructions.py",
+        (("builder, args[0], args[0], constants", "builder, args[0], args[0], constants[::-1]"),),
+        "tests/lanewise/test_wide.py::test_parts_and_places_of_vectors[True]",
+        "lanewise",
     ),
     Mutant(
         "ties between lists and the tree go to the list",

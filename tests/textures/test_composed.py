@@ -88,8 +88,13 @@ def test_coordinates_are_those_of_the_first_part_that_has_some():
 
 @pytest.mark.parametrize("step", [{}, 3, {"scale": 2, "rotate": 5}, {"shear": 1}])
 def test_a_step_of_a_lookup_is_one_of_four(step):
-    with pytest.raises(SceneError, match="exactly one of translate, scale|unknown step"):
+    said = ""
+    try:
         Bitmap(pixels=A.pixels, to_uv=[{"scale": 2}, step])
+    except SceneError as error:
+        said = str(error)
+    wanted = "unknown step" if "shear" in str(step) else "exactly one of translate, scale"
+    assert wanted in said
 
 
 def test_means_and_maxima_are_those_of_the_parts():
