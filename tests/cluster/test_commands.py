@@ -1,9 +1,11 @@
 """``alight render --cluster`` and ``alight cluster`` on the terminal."""
 
+import itertools
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from alight.cli.main import app
+from alight.cluster.addresses import connected
 from alight.films import Film
 from tests.cluster.workers import two_workers
 
@@ -102,3 +105,26 @@ def test_ctrl_c_keeps_the_samples_and_resume_gives_the_same_bits(tmp_path):
     assert whole.exit_code == 0
     found, own = Film.load(tmp_path / "b.alight"), Film.load(tmp_path / "c.alight")
     np.testing.assert_array_equal(found.sums, own.sums)
+
+
+@pytest.mark.parametrize("at", [1, 2], ids=["scheduler", "worker"])
+def test_a_cluster_that_does_not_start_leaves_no_thread_behind(monkeypatch, at):
+    import distributed.core
+
+    count = itertools.count(1)
+
+    class Slow:
+        """What Dask does while it makes the folder of a scheduler or worker."""
+
+        def __enter__(self):
+            if next(count) == at:
+                raise OSError("no room for it")
+
+        def __exit__(self, *error):
+            pass
+
+    monkeypatch.setattr(distributed.core, "warn_on_duration", lambda *words: Slow())
+    before = set(threading.enumerate())
+    with pytest.raises((OSError, RuntimeError), match="no room for it"), connected("local:1"):
+        pass
+    assert not [one for one in set(threading.enumerate()) - before if one.name == "IO loop"]
