@@ -229,12 +229,15 @@ OUTER = (
                 "            layers.number = wish.number\n            # Whoever",
                 "            # Whoever",
             ),
-            (
-                "            self.layers = layers\n            self._tell",
-                "            self.layers, layers.number = layers, wish.number\n            self._tell",
-            ),
         ),
         "tests/view/test_session.py"
         "::test_every_picture_bears_the_number_of_its_view_from_the_moment_it_is_there",
+    ),
+    Mutant(
+        "a cluster that does not start leaves its loop behind",
+        "cluster/addresses.py",
+        (("                self._loop_runner.stop()\n", ""),),
+        "tests/cluster/test_commands.py"
+        "::test_a_cluster_that_does_not_start_leaves_no_thread_behind",
     ),
 )

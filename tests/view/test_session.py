@@ -237,11 +237,11 @@ def test_every_picture_bears_the_number_of_its_view_from_the_moment_it_is_there(
     session = cornell()
     try:
         settled(session)
+        first = len(shown)
         session.apply(protocol.Orbit(0.05, 0.02))
         settled(session)
     finally:
         session.close()
-    assert shown[0] is None and set(shown[1:]) == {0, 1}
-    assert shown[1:] == sorted(shown[1:])
+    assert shown[0] is None and set(shown[1:first]) == {0}
     # The coarse picture of the second view, and the settled one.
-    assert shown.count(1) >= 2
+    assert set(shown[first:]) == {1} and len(shown) >= first + 2
