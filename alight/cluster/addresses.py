@@ -203,7 +203,7 @@ def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
     from distributed.utils import get_mp_context
 
     class Local(LocalCluster):
-        """Ends its loop if it does not start: Dask leaves the thread and its sockets behind."""
+        """Ends its loop where it does not start; Dask leaves the thread behind."""
 
         def __init__(self, **words: Any) -> None:
             try:
