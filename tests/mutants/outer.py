@@ -240,4 +240,10 @@ OUTER = (
         "tests/cluster/test_commands.py"
         "::test_a_cluster_that_does_not_start_leaves_no_thread_behind",
     ),
+    Mutant(
+        "the seconds of a study begin at one",
+        "lab/replicates/session.py",
+        (('"statistics"), 0.0', '"statistics"), 1.0'),),
+        "tests/lab/test_measure.py::test_the_seconds_of_a_study_begin_at_nought_and_are_its_own",
+    ),
 )
