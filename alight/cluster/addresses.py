@@ -202,6 +202,16 @@ def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
     from distributed import LocalCluster, Security
     from distributed.utils import get_mp_context
 
+    class Local(LocalCluster):
+        """Ends its loop where it does not start; Dask leaves the thread behind."""
+
+        def __init__(self, **words: Any) -> None:
+            try:
+                super().__init__(**words)
+            except BaseException:
+                self._loop_runner.stop()
+                raise
+
     settings: dict[str, Any] = dict(_QUIET)
     if "forkserver" in multiprocessing.get_all_start_methods():
         settings["distributed.worker.multiprocessing-method"] = "forkserver"
@@ -209,7 +219,7 @@ def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
         if len(settings) > len(_QUIET):
             # Dask names modules of its own here, once, and others may be named after it has.
             get_mp_context().set_forkserver_preload([*_PRELOADED, *modules])
-        return LocalCluster(
+        return Local(
             n_workers=processes, threads_per_worker=1, processes=True, host="127.0.0.1",
             protocol="tls://", security=Security.temporary(), dashboard_address="127.0.0.1:0",
             memory_limit=0, silence_logs=logging.ERROR, preload=["alight.cluster.interrupts"],

@@ -324,8 +324,10 @@ class LiveScene:
         if not cancel.is_set():
             image = job.film.image
             self._small = wish.number, image
-            self.layers = FileLayers(as_picture(image))
-            self.layers.number = wish.number
+            layers = FileLayers(as_picture(image))
+            layers.number = wish.number
+            # Whoever paints them now must know which view they are of.
+            self.layers = layers
             self._tell("moving" if wish.moves else "rendering")
 
     def _settle(self, wish: Wish, cancel: threading.Event) -> None:

@@ -8,12 +8,14 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
+import alight
 from alight import __version__
 from alight.cli import doctor, progress
 from alight.cli.main import app
 from alight.cli.progress import ProgressBar
 from alight.core.extras import install_command
 from alight.formats import builtin_names
+from alight.lab.info import tree_lines
 from alight.rendering import Progress
 
 
@@ -105,6 +107,20 @@ def test_info_shows_the_tree_and_the_accelerator():
     assert "\naccelerator  " in output
     assert "── " in output
     assert "rectangle, bsdf white" in output
+
+
+def test_the_tree_shows_what_instances_are_of():
+    scene = alight.load({
+        "alight": 1, "camera": {"type": "pinhole"},
+        "prototypes": {
+            "leaf": {"children": {"blade": {"shape": "disk"}}}, "bud": {"shape": "cube"},
+        },
+        "nodes": {"oak": {"instance": "leaf"}, "rose": {"children": {"top": {"instance": "bud"}}}},
+    })  # fmt: skip
+    assert list(tree_lines(scene)) == [
+        "scene", "├── oak  instance of leaf", "└── rose", "    └── top  instance of bud",
+        "prototypes", "├── leaf", "│   └── blade  disk", "└── bud  cube",
+    ]  # fmt: skip
 
 
 def test_deep_trees_are_shown(tmp_path, monkeypatch):

@@ -3,16 +3,20 @@
 import json
 from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
 import alight
+from alight.cli.frames import render_frames
 from alight.cli.main import app
 from alight.cli.reporting import reporting_errors
 from alight.cluster import addresses
 from alight.cluster.status import Losses, WorkerStatus
+from alight.options.animation import AnimationOptions
 from lanewise.machine import NATIVE
 
 
@@ -89,6 +93,8 @@ def test_a_command_passes_on_what_was_typed(called, tmp_path, monkeypatch, words
     assert (asked, paths) == (name, arguments)
     assert set(options.given()) <= {"output", "progress"}
     assert "the answer" in done.stdout
+    told = {"info": "a remark\n", "compare": "", "plan": ""}
+    assert done.stderr == told.get(name, "warning: it is dark\n")
 
 
 @pytest.mark.parametrize("words", [one for one in CALLS if one.split()[0] not in ("info", "plan")])
@@ -138,3 +144,31 @@ def test_the_status_of_a_cluster_is_that_of_what_renders_use(monkeypatch):
     assert [line.split()[0] for line in workers] == ["tls://1", "tls://2", "tls://4"]
     assert sums == "3 workers; threads that give this machine's bits: 5"
     assert lost == "lost since the scheduler was started: 2 workers, 7 tasks"
+
+
+@pytest.mark.parametrize(
+    ("goes_on", "again"), [(True, "goes on there"), (False, "starts at frame 3 again: only EXR")]
+)
+def test_frames_that_were_stopped_say_where_the_same_command_begins(
+    monkeypatch, capsys, goes_on, again
+):
+    class Stopped:
+        """An animation of frames 3 to 8 that is stopped at frame 5."""
+
+        numbers, current, kept, films, scene = range(3, 9), 5, [], [], None
+        notes, prepared = ["of a frame"], SimpleNamespace(warnings=lambda spell: ["of the scene"])
+
+        def __init__(self, scene, options):
+            self.goes_on, self.cancel = goes_on, options.cancel
+
+        def render(self):
+            self.cancel.set()
+            return []
+
+    monkeypatch.setattr("alight.rendering.animation.Animation", Stopped)
+    with pytest.raises(typer.Exit) as ended:
+        render_frames("a", AnimationOptions(), str, quiet=True)
+    assert ended.value.exit_code == 130
+    *warnings, last = capsys.readouterr().err.splitlines()
+    assert warnings == ["warning: of the scene", "warning: of a frame"]
+    assert last.startswith(f"stopped at frame 5; the same command {again}")

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from alight.cli.main import app
+from alight.cluster.addresses import connected
 from alight.films import Film
 from tests.cluster.workers import two_workers
 
@@ -102,3 +104,15 @@ def test_ctrl_c_keeps_the_samples_and_resume_gives_the_same_bits(tmp_path):
     assert whole.exit_code == 0
     found, own = Film.load(tmp_path / "b.alight"), Film.load(tmp_path / "c.alight")
     np.testing.assert_array_equal(found.sums, own.sums)
+
+
+def test_a_cluster_that_does_not_start_leaves_no_thread_behind(monkeypatch):
+    async def fails(cluster):
+        raise OSError("no room for it")
+
+    # When its scheduler is there, and has been asked to be a part of the cluster.
+    monkeypatch.setattr("distributed.deploy.cluster.Cluster._start", fails)
+    before = set(threading.enumerate())
+    with pytest.raises(RuntimeError, match="no room for it"), connected("local:1"):
+        pass
+    assert not [one for one in set(threading.enumerate()) - before if one.name == "IO loop"]

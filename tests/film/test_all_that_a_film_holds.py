@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from alight.core.errors import FilmError
 from alight.films import Film, PartialFilm, merging
 from alight.films.coverage import Coverage, SurfaceSums
 from alight.films.fixed_point import to_limbs
@@ -110,3 +111,17 @@ def test_layers_that_name_things_hold_the_first_sample_whole():
     film.add_tile(tile._replace(aovs={"id": layer, "depth": layer.copy()}, coverage=None))
     np.testing.assert_array_equal(film.aov("id"), names)
     np.testing.assert_allclose(film.aov("depth"), names / 3.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("film_has", [False, True])
+@pytest.mark.parametrize("tile_has", [False, True])
+def test_a_tile_has_a_table_of_coverage_where_its_film_has_one(film_has, tile_has):
+    film = Film(8, 8, replicates=3, aovs={"depth": ("Z",)}, surfaces=NAMES if film_has else None)
+    tile, _ = partial_of(0, 0, 8, 8)
+    tile = tile if tile_has else tile._replace(coverage=None)
+    if film_has == tile_has:
+        film.add_tile(tile)
+        assert film.spp == 3.0
+        return
+    with pytest.raises(FilmError, match="a table of coverage if, and only if, the film has one"):
+        film.add_tile(tile)

@@ -13,6 +13,7 @@ from alight.compiled.scene import compile_scene
 from alight.formats import load
 from alight.lab.evaluate import _shared_noise
 from alight.lab.replicates import measure
+from alight.lab.replicates.session import Session
 from alight.lab.statistics.decomposition import reference_spread
 from alight.scene import content_hash, flatten
 
@@ -94,3 +95,10 @@ def test_a_ladder_follows_the_guide_that_was_trained_for_it(scene, monkeypatch):
     first, second = measure.render_ladder(scene, None, 4, 7, (4, 8), 1)
     assert given == [{"seed": 7, "replicates": 4, "guide": guide}] * 2
     assert 1.75 <= first.seconds <= second.seconds - 0.25 < 2.0
+
+
+def test_the_seconds_of_a_study_begin_at_nought_and_are_its_own():
+    one, other = (Session(None, None, False, 1, print) for _ in range(2))
+    one.seconds["render"] += 1.0
+    assert set(other.seconds.values()) == {0.0}
+    assert sum(one.seconds.values()) == 1.0

@@ -36,7 +36,7 @@ def test_a_picture_of_that_film_tells_the_same_origin(film, tmp_path):
     )
     assert of_picture["picture"] == "10x8 pixels, EXR"
     for name in ("version", "seed", "replicates", "scene hash", "fingerprint", "biases"):
-        assert of_picture[name] == of_film[name], name
+        assert of_picture.get(name) == of_film.get(name) is not None, name
 
 
 @pytest.mark.parametrize("suffix", ["png", "pfm", "npy", "hdr"])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from alight.metrics import PictureStatistics, compare_pictures
+from alight.metrics.comparison import STORED_LUMINANCE
 
 
 def reference_picture():
@@ -164,3 +165,17 @@ def test_the_bounds_of_a_report_are_around_one():
     margin = 3.0 / np.sqrt(2.0 * np.isfinite(result.z).sum())
     assert (result.rms_low, result.rms_high) == pytest.approx((1.0 - margin, 1.0 + margin))
     assert f"in [{1.0 - margin:.4f}, {1.0 + margin:.4f}], largest" in result.report()
+
+
+def test_statistics_of_pictures_are_means_and_unbiased_variances():
+    """Of blocks of luminance, and of whole channels."""
+    pictures = renders(5, seeds=3)
+    found = PictureStatistics.of(pictures, 16)
+    channels = pictures.mean(axis=(1, 2))
+    blocks = (pictures @ STORED_LUMINANCE).reshape(3, 4, 16, 4, 16).mean(axis=(2, 4))
+    assert (found.count, found.block) == (3, 16)
+    for name, values in (("channel", channels), ("block", blocks)):
+        mean = values.sum(axis=0) / 3
+        np.testing.assert_allclose(getattr(found, f"{name}_mean"), mean)
+        variance = ((values - mean) ** 2).sum(axis=0) / 2
+        np.testing.assert_allclose(getattr(found, f"{name}_variance"), variance)

@@ -179,4 +179,71 @@ OUTER = (
         (('"done" if is_whole else "stopped"', '"stopped" if self._cancel.is_set() else "done"'),),
         "tests/view/test_notebook.py::test_a_stop_while_its_files_are_written_comes_too_late",
     ),
+    Mutant(
+        "prototypes of a tree are its nodes once more",
+        "lab/info.py",
+        (("yield from _branches(scene.prototypes)", "yield from _branches(scene.nodes)"),),
+        "tests/cli/test_commands.py::test_the_tree_shows_what_instances_are_of",
+    ),
+    Mutant(
+        "a column of a file with the number of another",
+        "lab/report/data_files.py",
+        (('_spread("efficiency", arm.efficiency)', '_spread("efficiency", arm.slope_spp)'),),
+        f"{DRAWN}::test_each_column_of_a_file_of_arms_has_its_own_number",
+    ),
+    Mutant(
+        "the first picture of a panel is called the reference",
+        "lab/compare/views.py",
+        (('"reference" if i == count - 1 else', '"reference" if i == 0 else'),),
+        f"{COMPARE}::test_a_panel_says_which_picture_is_the_reference",
+    ),
+    Mutant(
+        "a guide is drawn without the warnings of its scene",
+        "cli/guide.py",
+        (("    for warning in description.warnings:\n        warn(warning)\n", ""),),
+        f"{THIN}::test_a_command_passes_on_what_was_typed",
+    ),
+    Mutant(
+        "a film that starts anew is said to start where it was stopped",
+        "cli/frames.py",
+        (("starts at frame {made.numbers.start} again", "starts at frame {made.current} again"),),
+        f"{THIN}::test_frames_that_were_stopped_say_where_the_same_command_begins",
+    ),
+    Mutant(
+        "variances of channels over the number of pictures",
+        "metrics/comparison.py",
+        (
+            (
+                "channels.mean(axis=0), channels.var(axis=0, ddof=1),",
+                "channels.mean(axis=0), channels.var(axis=0),",
+            ),
+        ),
+        "tests/metrics/test_comparison.py"
+        "::test_statistics_of_pictures_are_means_and_unbiased_variances",
+    ),
+    Mutant(
+        "a coarse picture that does not know yet of which view it is",
+        "view/live.py",
+        (
+            (
+                "            layers.number = wish.number\n            # Whoever",
+                "            # Whoever",
+            ),
+        ),
+        "tests/view/test_session.py"
+        "::test_every_picture_bears_the_number_of_its_view_from_the_moment_it_is_there",
+    ),
+    Mutant(
+        "a cluster that does not start leaves its loop behind",
+        "cluster/addresses.py",
+        (("                self._loop_runner.stop()\n", ""),),
+        "tests/cluster/test_commands.py"
+        "::test_a_cluster_that_does_not_start_leaves_no_thread_behind",
+    ),
+    Mutant(
+        "the seconds of a study begin at one",
+        "lab/replicates/session.py",
+        (('"statistics"), 0.0', '"statistics"), 1.0'),),
+        "tests/lab/test_measure.py::test_the_seconds_of_a_study_begin_at_nought_and_are_its_own",
+    ),
 )

@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 
+import alight
 from alight.outputs.image import write_image
 from tests.view.browsing import (
     CHROMIUM,
@@ -43,6 +44,7 @@ def test_every_control_of_a_scene(browser):
         page.wait_for_selector("#pixel tr >> nth=3")
         told = page.inner_text("#pixel")
         assert "standard error" in told and "95 % from" in told and "red, green, blue" in told
+        assert re.match("column 2[34], row 1[56]; red", page.inner_text("#where"))
 
         def moves(act):
             before, picture = view_of(page), pixels_of(page)
@@ -73,6 +75,7 @@ def test_every_control_of_a_scene(browser):
             picture = pixels_of(page)
             page.select_option("#layer", layer)
             until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
+            assert page.input_value("#layer") == layer
             scaled = layer in ("error", "samples", "depth")
             page.wait_for_selector("#scale", state="visible" if scaled else "hidden")
         page.fill("#exposure", "2")
@@ -125,6 +128,13 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         page.wait_for_selector(SETTLED)
         until(page, f"document.getElementById('shown').toDataURL() === '{picture}'")
 
+        page.click("#tree [data-path='camera']")
+        before = view_of(page)
+        page.locator("#fields input[type=range]").first.fill("50")
+        until(page, f"Number(document.body.dataset.view) > {before}")
+        page.click("#undo")
+        page.wait_for_selector(SETTLED)
+
         page.click("#tabs >> text=Inspect")
         stage = page.locator("#picture").bounding_box()
         page.mouse.click(stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2)
@@ -150,6 +160,20 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         page.click("#keep")
         page.select_option("#way", "difference")
         page.wait_for_selector("#differs >> text=root of the relative MSE 0.00 %")
+        assert not errors
+
+
+def test_a_film_is_looked_at_and_nothing_of_it_moves(browser, tmp_path):
+    film = alight.render("cornell-box", size=(48, 32), spp=8, seed=1)
+    with served(str(film.save(tmp_path / "a.alight"))) as address:
+        page, errors = opened(browser, address)
+        before, picture = view_of(page), pixels_of(page)
+        page.focus("#stage")
+        for key in ("ArrowLeft", "w", "r"):
+            page.keyboard.press(key)
+        page.wait_for_timeout(300)
+        assert (view_of(page), pixels_of(page)) == (before, picture)
+        # What the server refuses is told on the page's console.
         assert not errors
 
 

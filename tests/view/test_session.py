@@ -11,6 +11,7 @@ from alight.core.errors import OutputError
 from alight.options.view import ViewOptions
 from alight.view import editing, protocol
 from alight.view.layers import FileLayers, read_layers
+from alight.view.live import LiveScene
 from alight.view.opening import session_of
 from alight.view.protocol import RefusedError
 from alight.view.saving import save
@@ -223,3 +224,26 @@ def test_named_cameras_are_looked_through():
             session.apply(protocol.ChooseCamera("nowhere"))
     finally:
         session.close()
+
+
+def test_every_picture_bears_the_number_of_its_view_from_the_moment_it_is_there(monkeypatch):
+    """A page that paints it then would take it for that of another place of the camera."""
+    shown = []
+
+    def keep(live, layers):
+        shown.append(layers and layers.number)
+        live.__dict__["kept"] = layers
+
+    kept = property(lambda live: live.__dict__["kept"], keep)
+    monkeypatch.setattr(LiveScene, "layers", kept, raising=False)
+    session = cornell()
+    try:
+        settled(session)
+        first = len(shown)
+        session.apply(protocol.Orbit(0.05, 0.02))
+        settled(session)
+    finally:
+        session.close()
+    assert shown[0] is None and set(shown[1:first]) == {0}
+    # The coarse picture of the second view, and the settled one.
+    assert set(shown[first:]) == {1} and len(shown) >= first + 2

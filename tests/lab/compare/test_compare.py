@@ -221,4 +221,19 @@ def test_a_picture_without_known_noise_has_its_column_beside_one_that_has():
         assert all(len(values) == 2 for values in rows.values())
         for name in ("rms z (R, G, B)", "Largest |z|"):
             unknown = [one.agreement is None for one in found]
-            assert [value == "–" for value in rows[name]] == unknown
+            assert [value == "–" for value in rows.get(name, ())] == unknown
+
+
+def test_a_panel_says_which_picture_is_the_reference(films, tmp_path, monkeypatch):
+    axes = pytest.importorskip("matplotlib.axes").Axes
+    told, text = [], axes.text
+
+    def kept(self, x, y, words, **style):
+        told.append(words)
+        return text(self, x, y, words, **style)
+
+    monkeypatch.setattr(axes, "text", kept)
+    words = films[0], films[2], "--reference", films[1], "-o", tmp_path / "a.png", "--no-flip"
+    assert run(*words).exit_code == 0
+    for name, role in (("a.exr", "picture A"), ("c.exr", "picture B"), ("b.exr", "reference")):
+        assert told[told.index(name) + 1] == role

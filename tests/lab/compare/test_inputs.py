@@ -8,6 +8,7 @@ from alight.core.srgb import encode_srgb
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.lab.compare import Input, make_comparable, read_input
+from alight.lab.compare.inputs import _parts
 from alight.outputs import write_image
 
 
@@ -81,6 +82,8 @@ def test_layers_of_other_renderers_are_found(tmp_path):
 
 def test_the_only_channel_of_a_layer_is_its_picture(tmp_path):
     """Whatever it is called, and whatever counts or covers beside it."""
+    names = {"R", "G", "B", "fog.V", "fog.A", "fog.samples", "fog.more.W"}
+    assert _parts(names, "fog", must=False) == ["fog.V"]
     rng = np.random.default_rng(120)
     main = {c: rng.random((4, 5)).astype(np.float32) for c in "RGBA"}
     for name in ("V", "Z", "depth"):

@@ -26,8 +26,8 @@ def test_single_numbers(value, text):
 
 @pytest.mark.parametrize(
     ("p", "text"),
-    [(0.5, "0.50"), (0.04, "0.040"), (0.0995, "0.10"), (0.0009, "< 0.001"), (0.0, "< 0.001"),
-     (NAN, "–"), (None, "–")],
+    [(0.5, "0.50"), (0.04, "0.040"), (0.0995, "0.10"), (0.001, "0.001"), (0.0009, "< 0.001"),
+     (0.0, "< 0.001"), (NAN, "–"), (None, "–")],
 )  # fmt: skip
 def test_probabilities(p, text):
     assert p_value(p) == text

@@ -1,6 +1,8 @@
 """What a report draws and writes is what the result says: lines, looks and cells, one by one."""
 
-from dataclasses import replace
+import itertools
+import operator
+from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ import pytest
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
-from alight.lab.report import charts, style
+from alight.lab.report import charts, data_files, style
 from alight.lab.report.page import table_context
 from alight.lab.report.tables import error_table
 from alight.lab.results import TableResult
@@ -86,3 +88,47 @@ def _number(text):
 def _power(head):
     digits = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
     return 10.0 ** int(head.rpartition("10")[2].translate(digits)) if "×" in head else 1.0
+
+
+#: Columns of arms.csv, once more: an attribute of the arm, of which intervals have three columns.
+COLUMNS = {
+    "arm": "name", "label": "label", "baseline": "is_baseline",
+    "declares_different": "declares_different", "replicates": "replicates",
+    "verdict": "bias.verdict", "efficiency": "efficiency", "speedup": "speedup.ratio",
+    "speedup_p": "speedup.p_value", "speedup_p_holm": "speedup.p_adjusted",
+    "bootstrap_low": "speedup.bootstrap.low", "bootstrap_high": "speedup.bootstrap.high",
+    "slope_spp": "slope_spp", "slope_time": "slope_time", "expected_slope": "expected_slope",
+    "z_rms": "bias.z_rms", "z_low": "bias.z_low", "z_high": "bias.z_high",
+    "z_largest": "bias.z_largest", "bias_p": "bias.p_value",
+    "microseconds_per_sample": "microseconds_per_sample", "compile_seconds": "compile_seconds",
+    "load_seconds": "load_seconds", "invalid": "invalid",
+}  # fmt: skip
+OTHERS = {"scene", "options", "seeds"}
+
+
+def test_each_column_of_a_file_of_arms_has_its_own_number():
+    """No two numbers of the arm are the same."""
+    count = itertools.count(1)
+
+    def numbered(value):
+        """The same with other numbers."""
+        if isinstance(value, Estimate):
+            n = next(count)
+            return Estimate(n + 0.5, n + 0.25, n + 0.75)
+        if is_dataclass(value):
+            names = [f.name for f in fields(value) if f.name not in ("images", "samples", "times")]
+            return replace(value, **{name: numbered(getattr(value, name)) for name in names})
+        return (
+            value if isinstance(value, bool) or not isinstance(value, int | float) else next(count)
+        )
+
+    picture = np.ones((48, 48, 3), np.float32)
+    arm = numbered(synthetic.arm("base", 0, 0.01, picture, ratio=4.0))
+    (row,) = data_files._arm_rows(synthetic.study([synthetic.scene([arm])]))
+    expected = {}
+    for column, path in COLUMNS.items():
+        value = operator.attrgetter(path)(arm)
+        ends = ("", "_low", "_high") if isinstance(value, Estimate) else ("",)
+        values = value if isinstance(value, Estimate) else (value,)
+        expected |= {column + end: one for end, one in zip(ends, values, strict=True)}
+    assert {name: row[name] for name in row.keys() - OTHERS} == expected
