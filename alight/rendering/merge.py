@@ -12,7 +12,6 @@ from alight.rendering.checkpoints.resume import listed
 from alight.rendering.schedules.schedule import Schedule
 from alight.scene.content import differences
 
-
 #: What holds a film.
 Source = Film | str | os.PathLike[str]
 

@@ -207,6 +207,8 @@ def _parse_step(step: object) -> Transform:
     if not isinstance(step, Mapping) or len(step) != 1:
         names = ", ".join(STEPS)
         text = f"each step must have exactly one of {names}, got {show_value(step)}"
+        if isinstance(step, Mapping) and len(step) > 1:
+            text += "; several steps are a list, in the order in which they are applied"
         raise SceneError([Issue("", text)])
     ((name, value),) = step.items()
     if name not in STEPS:

@@ -130,7 +130,7 @@ def test_parts_merge_to_the_same_files(alight):
     lines = result.stdout.splitlines()
     assert lines[0] == "2 films, 24x16 pixels, 8 spp"
     assert lines[1].startswith("estimated error: ")
-    assert lines[2].startswith("bias: paths end at depth 8: -")
+    assert lines[2].startswith("bias: paths end at depth 8: −")
     assert lines[3:] == ["written: m.exr", "written: m.alight", "written: m.png"]
     assert Path("m.exr").read_bytes() == Path("whole.exr").read_bytes()
     assert read_image("m.png").shape == (16, 24, 3)

@@ -90,7 +90,7 @@ def test_the_ledger_is_in_every_file(box, tmp_path):
     film = alight.render(box("{type: path, max_depth: 3}"), spp=8, checkpoint=tmp_path / "c.alight")
     film.save(tmp_path / "a.exr")
     film.save(tmp_path / "a.alight")
-    assert "paths end at depth 3: -1" in exr.read_layers(tmp_path / "a.exr")[1]["biases"]
+    assert "paths end at depth 3: −1" in exr.read_layers(tmp_path / "a.exr")[1]["biases"]
     assert Film.load(tmp_path / "a.alight").biases == film.biases
     assert Film.load(tmp_path / "c.alight").biases == film.biases
     other = alight.render(box("{type: path, max_depth: 3}"), spp=8, first_sample=8)

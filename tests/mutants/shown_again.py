@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 SHOWN = "tests/cli/test_shown_again.py"
+WARNINGS = "tests/cli/test_warnings_everywhere.py"
 
 SHOWN_AGAIN = (
     Mutant(
@@ -28,6 +29,24 @@ SHOWN_AGAIN = (
         "lab/why/trials.py",
         (("in noise_only_fields(spec):", "in set(type(spec).model_fields) - {'type'}:"),),
         "tests/lab/test_why.py::test_alternatives_are_the_other_choices",
+    ),
+    Mutant(
+        "warnings of a film that come after its samples",
+        "rendering/job.py",
+        (('film.stats.setdefault("warnings", list(self.scene.warnings))', "pass"),),
+        f"{WARNINGS}::test_it_is_told_before_threads_or_a_cluster_begin",
+    ),
+    Mutant(
+        "a page without what the compiler of scenes warns of",
+        "view/session.py",
+        (("self.live.movable.compiled.warnings if", "self.live.movable.scene.warnings if"),),
+        f"{WARNINGS}::test_every_way_in_tells_everything_once[page]",
+    ),
+    Mutant(
+        "a bias and its error to different decimals",
+        "films/ledger.py",
+        (("± {100.0 * error:.{decimals}f}", "± {100.0 * error:.2g}"),),
+        "tests/known_error/test_biases.py::test_a_bias_and_its_error_have_the_same_decimals",
     ),
     Mutant(
         "numbers of an axis that are all kept",
