@@ -1,9 +1,12 @@
 """Film files: what was written comes back to the bit, and no damaged file is taken for whole."""
 
+import copy
 import errno
 import hashlib
 import json
 import os
+import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -46,6 +49,21 @@ def test_a_film_comes_back_to_the_bit(tmp_path):
     film = film_of()
     path = film.save(tmp_path / "a.alight")
     assert_same(Film.load(path), film)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda film: pickle.loads(pickle.dumps(film))])
+def test_copies_of_a_film_are_films_of_their_own(copied):
+    film = film_of()
+    other = copied(film)
+    assert_same(film, other)
+    with film.lock:
+        # Nobody waits for the lock of the first.
+        taken = threading.Thread(target=lambda: other.mean)
+        taken.start()
+        taken.join(10.0)
+        assert not taken.is_alive()
+    other.sums += 1
+    assert_same(film, film_of())
 
 
 def test_saved_films_merge_as_films_do(tmp_path):
