@@ -8,6 +8,7 @@ DISK = f"{TARGETS}::test_a_light_without_a_size_is_a_disk_of_its_irradiance"
 BOXES = f"{TARGETS}::test_mirrors_and_glass_are_aimed_at_alike_and_everywhere"
 SIZES = f"{TARGETS}::test_each_light_that_can_be_aimed_at_has_its_middle_and_its_size"
 ANIMATION = "tests/rendering/test_animation.py"
+FRAMES = "tests/rendering/test_files_of_frames.py"
 WRAPS = "tests/formats/usd/test_wraps_of_pictures.py::test_an_axis_has_its_own_word_or_that_of_both"
 
 BEYOND_EXAMPLES = (
@@ -79,13 +80,13 @@ BEYOND_EXAMPLES = (
         "a film of frames that shows colours without their alpha",
         "rendering/animation.py",
         (("display.apply(picture.image)", "display.apply(picture.straight)"),),
-        f"{ANIMATION}::test_a_film_is_the_same_of_new_and_of_kept_frames",
+        f"{FRAMES}::test_a_film_is_the_same_of_new_and_of_kept_frames",
     ),
     Mutant(
         "frames as they were before they were denoised",
         "rendering/animation.py",
         (("return denoise(film)[0] if self.single.denoise else film", "return film"),),
-        f"{ANIMATION}::test_frames_are_denoised_in_all_files",
+        f"{FRAMES}::test_frames_are_denoised_in_all_files",
     ),
     Mutant(
         "a single cell that knows its error",

@@ -66,8 +66,12 @@ def test_a_render_is_not_begun_over_one_that_was_stopped(tmp_path, monkeypatch, 
     path = tmp_path / "a b.alight"
     stopped_after(3, path, monkeypatch)
     before = path.read_bytes()
-    with pytest.raises(OutputError, match=r"that was stopped; to go on: alight resume '.*a b\.al"):
+    told = ""
+    try:
         alight.render(scene(), spp=SPP, checkpoint=path)
+    except OutputError as error:
+        told = str(error)
+    assert f"a render that was stopped; to go on: alight resume '{path}'" in told
     assert path.read_bytes() == before
     assert_same(alight.resume(path), reference)
     # One that has ended is written over, and so is one without a sample.
