@@ -18,7 +18,7 @@ SMALL = {"size": (8, 8), "spp": 1, "threads": 1, "turntable": True}
 
 @pytest.fixture
 def renders(monkeypatch):
-    """Every film that is rendered, without the layers that help a denoiser: kernels of their own."""
+    """Every film that is rendered, without layers that help a denoiser: they take other kernels."""
     made, render = [], animation.main_loop.render_film
 
     def plain(scene, options, executor):
