@@ -15,6 +15,7 @@ from alight.core.errors import AlightError, FilmError, OutputError
 from alight.films import Film, PartialFilm, archive
 from alight.films.archive import read_archive, write_archive
 from alight.films.fixed_point import to_limbs
+from alight.rendering import merge
 
 
 def film_of(first=0, count=6, seed=0, **identity):
@@ -166,6 +167,13 @@ def test_newer_formats_and_other_archives_are_refused(tmp_path, monkeypatch):
     monkeypatch.undo()
     with pytest.raises(FilmError, match="has format 2, and this version of alight knows format 1"):
         Film.load(tmp_path / "newer.alight")
+
+
+@pytest.mark.parametrize("wrong", [None, 3, b"a.alight", [film_of()]])
+@pytest.mark.parametrize("read", [Film.load, merge])
+def test_what_is_no_path_of_a_film_is_refused(read, wrong):
+    with pytest.raises(FilmError, match="must be a film or its path, each by itself; got "):
+        read(wrong)
 
 
 def test_a_missing_file_and_a_folder_are_said(tmp_path):
