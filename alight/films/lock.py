@@ -6,18 +6,25 @@ import threading
 
 
 class FilmLock:
-    """A lock that one thread may take several times; pickled and copied as a new one."""
+    """A lock that one thread may take several times; pickled and copied as a new one.
+
+    Attributes
+    ----------
+    acquire, release : callable
+        Those of `threading.RLock`.
+    """
 
     def __init__(self) -> None:
-        self._lock = threading.RLock()
+        lock = threading.RLock()
+        self.acquire, self.release = lock.acquire, lock.release
 
     def __enter__(self) -> None:
         """Wait until no other thread has it."""
-        self._lock.acquire()
+        self.acquire()
 
     def __exit__(self, *raised: object) -> None:
         """Let the next one have it."""
-        self._lock.release()
+        self.release()
 
     def __reduce__(self) -> tuple[type[FilmLock], tuple[()]]:
         """Make a new one: the copy of a film belongs to nobody yet."""
