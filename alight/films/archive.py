@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import FilmError, OutputError
+from alight.core.errors import FilmError, OutputError, show_value
 from alight.outputs.atomic import replacing
 
 MAGIC = b"\x89alight film\r\n\x1a\n"
@@ -121,6 +121,9 @@ def read_archive(path: str | os.PathLike[str]) -> Archive:
     FilmError
         If it is none, damaged or cut off, or of a newer format.
     """
+    if not isinstance(path, str | os.PathLike):
+        text = f"must be a film or its path, each by itself; got {show_value(path)}"
+        raise FilmError(text)
     name = os.fspath(path)
     try:
         data = memoryview(Path(path).read_bytes())

@@ -8,7 +8,6 @@ with the same bits. What is asked of them is worked out elsewhere: `readout` (me
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +29,7 @@ from alight.films import (
 )  # fmt: skip
 from alight.films.coverage import Coverage
 from alight.films.ledger import Bias
+from alight.films.lock import FilmLock
 from alight.films.sample_ranges import SampleRanges, cells_of, empty_cells, union_of_cells
 from alight.films.tiles import PartialFilm, names_of
 from alight.metrics.error_estimate import ErrorEstimate
@@ -85,7 +85,7 @@ class Film:
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
         Times, rates and warnings, filled in by the renderer.
-    lock : threading.RLock
+    lock : FilmLock
         Held while tiles are added, and while planes are read that belong together.
 
     Raises
@@ -135,7 +135,7 @@ class Film:
         self.behind_glass: np.ndarray | None = None
         self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
-        self.lock = threading.RLock()
+        self.lock = FilmLock()
 
     # ------------------------------------------------------------------------------ adding
 

@@ -23,6 +23,7 @@ from alight.options.loading import scene_of
 from alight.options.plugins import load_plugins
 from alight.options.render import HIDES, RenderOptions
 from alight.rendering import main_loop
+from alight.rendering.checkpoints.checkpoint import check_nothing_is_lost
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene
 
@@ -72,6 +73,8 @@ def prepare(scene: Any, options: RenderOptions) -> Prepared:
         options.plugins,
     )  # fmt: skip
     targets.check()
+    if targets.checkpoint is not None:
+        check_nothing_is_lost(targets.checkpoint)
     for path in targets.outputs:
         if "##" in path.name:
             text = f"#### stands for the number of a frame, and this is one picture: {path}"

@@ -1,9 +1,12 @@
 """Film files: what was written comes back to the bit, and no damaged file is taken for whole."""
 
+import copy
 import errno
 import hashlib
 import json
 import os
+import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ from alight.core.errors import AlightError, FilmError, OutputError
 from alight.films import Film, PartialFilm, archive
 from alight.films.archive import read_archive, write_archive
 from alight.films.fixed_point import to_limbs
+from alight.rendering import merge
 
 
 def film_of(first=0, count=6, seed=0, **identity):
@@ -47,6 +51,21 @@ def test_a_film_comes_back_to_the_bit(tmp_path):
     film = film_of()
     path = film.save(tmp_path / "a.alight")
     assert_same(Film.load(path), film)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda film: pickle.loads(pickle.dumps(film))])
+def test_copies_of_a_film_are_films_of_their_own(copied):
+    film = film_of()
+    other = copied(film)
+    assert_same(film, other)
+    with film.lock:
+        # Nobody waits for the lock of the first.
+        taken = threading.Thread(target=lambda: other.mean)
+        taken.start()
+        taken.join(10.0)
+        assert not taken.is_alive()
+    other.sums += 1
+    assert_same(film, film_of())
 
 
 def test_saved_films_merge_as_films_do(tmp_path):
@@ -162,6 +181,13 @@ def test_newer_formats_and_other_archives_are_refused(tmp_path, monkeypatch):
     monkeypatch.undo()
     with pytest.raises(FilmError, match="has format 2, and this version of alight knows format 1"):
         Film.load(tmp_path / "newer.alight")
+
+
+@pytest.mark.parametrize("wrong", [None, 3, b"a.alight", [film_of()]])
+@pytest.mark.parametrize("read", [Film.load, merge])
+def test_what_is_no_path_of_a_film_is_refused(read, wrong):
+    with pytest.raises(FilmError, match="must be a film or its path, each by itself; got "):
+        read(wrong)
 
 
 def test_a_missing_file_and_a_folder_are_said(tmp_path):

@@ -8,6 +8,7 @@ DISK = f"{TARGETS}::test_a_light_without_a_size_is_a_disk_of_its_irradiance"
 BOXES = f"{TARGETS}::test_mirrors_and_glass_are_aimed_at_alike_and_everywhere"
 SIZES = f"{TARGETS}::test_each_light_that_can_be_aimed_at_has_its_middle_and_its_size"
 ANIMATION = "tests/rendering/test_animation.py"
+FRAMES = "tests/rendering/test_files_of_frames.py"
 WRAPS = "tests/formats/usd/test_wraps_of_pictures.py::test_an_axis_has_its_own_word_or_that_of_both"
 
 BEYOND_EXAMPLES = (
@@ -74,6 +75,37 @@ BEYOND_EXAMPLES = (
         "rendering/animation.py",
         (("* seconds / (width * height)", "* seconds / width"),),
         f"{ANIMATION}::test_frames_after_the_first_have_passes_as_long_as_they_should_be",
+    ),
+    Mutant(
+        "a film of frames that shows colours without their alpha",
+        "rendering/animation.py",
+        (("display.apply(picture.image)", "display.apply(picture.straight)"),),
+        f"{FRAMES}::test_a_film_is_the_same_of_new_and_of_kept_frames",
+    ),
+    Mutant(
+        "frames as they were before they were denoised",
+        "rendering/animation.py",
+        (("return denoise(film)[0] if self.single.denoise else film", "return film"),),
+        f"{FRAMES}::test_frames_are_denoised_in_all_files",
+    ),
+    Mutant(
+        "a single cell that knows its error",
+        "rendering/depth_cap.py",
+        (("one, replicates = len(tiles) == 1,", "one, replicates = False,"),),
+        "tests/known_error/test_biases.py"
+        "::test_what_a_cap_cuts_off_has_an_error_however_few_cells_are_looked_at[size1-4]",
+    ),
+    Mutant(
+        "a render that begins over one that was stopped",
+        "rendering/checkpoints/checkpoint.py",
+        (("if not Work(state.goal, film).left:", "if Work(state.goal, film).left:"),),
+        "tests/rendering/test_checkpoints.py::test_a_render_is_not_begun_over_one_that_was_stopped",
+    ),
+    Mutant(
+        "a picture of 16 bits that is white",
+        "outputs/png.py",
+        (("float(np.iinfo(texels.dtype).max)", "255.0"),),
+        "tests/outputs/test_formats.py::test_what_a_png_holds_is_read_to_its_last_bit[16]",
     ),
     Mutant(
         "pixels are known whose last replicate is empty",

@@ -2,7 +2,6 @@
 
 import threading
 import time
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,9 +11,7 @@ from typer.testing import CliRunner
 
 import alight
 from alight.cli.main import app
-from alight.core.srgb import decode_srgb
 from alight.options.animation import AnimationOptions
-from alight.outputs.image import read_image
 from alight.rendering import animation
 from alight.rendering.animation import Animation, numbered
 from alight.rendering.executors import blocks
@@ -313,58 +310,6 @@ def test_an_animation_goes_on_where_its_frames_are_kept(tmp_path, renders, names
     assert (not renders) == goes_on
 
 
-def test_frames_are_denoised_in_all_files(tmp_path, monkeypatch):
-    monkeypatch.setattr("alight.films.denoising.check_denoiser", lambda: None)
-    render = animation.main_loop.render_film
-    # Without the layers that help the filter: kernels of their own.
-    monkeypatch.setattr(
-        animation.main_loop, "render_film", lambda s, o, e: render(s, o.changed(aovs=()), e)
-    )
-
-    def grey(film):
-        picture = film.picture(True)
-        return replace(picture, image=np.full_like(picture.image, 0.5)), None
-
-    monkeypatch.setattr(animation, "denoise", grey)
-    output = [tmp_path / "f_#.exr", tmp_path / "f_#.png", tmp_path / "f.apng"]
-    words = {**SMALL, "turntable": True, "denoise": True}
-    alight.animate("cornell-box", **words, frames="0:1", output=output)
-    assert (read_image(tmp_path / "f_0.exr") == 0.5).all()
-    for name in ("f_0.png", "f.apng"):
-        with Image.open(tmp_path / name) as image:
-            assert (np.asarray(image.convert("RGB")) == 188).all()
-
-
-def test_a_film_is_the_same_of_new_and_of_kept_frames(tmp_path, monkeypatch, renders):
-    """Over black, as in JPEG files, where they have alpha."""
-
-    def half_there(self, film, layers):
-        picture = film.picture(layers)
-        alpha = np.linspace(0.0, 1.0, picture.image[..., 0].size, dtype=np.float32)
-        alpha = alpha.reshape(picture.image.shape[:2])
-        return replace(picture, image=picture.image * alpha[..., None], alpha=alpha)
-
-    monkeypatch.setattr(Animation, "_picture_of", half_there)
-    output = [tmp_path / "f_#.exr", tmp_path / "f.apng"]
-    words = {**SMALL, "turntable": True, "frames": "0:2", "output": output}
-    alight.animate("cornell-box", **words)
-    first = output[1].read_bytes()
-    alight.animate("cornell-box", **words)
-    assert len(renders) == 2
-    assert output[1].read_bytes() == first
-    with Image.open(output[1]) as film:
-        seen = decode_srgb(np.asarray(film.convert("RGB")) / 255.0)
-    black = np.clip(read_image(tmp_path / "f_0.exr"), 0.0, 1.0)
-    np.testing.assert_allclose(seen, black, atol=0.005)
-
-
-def test_a_film_in_a_folder_that_is_missing_costs_no_frame(tmp_path, renders):
-    output = [tmp_path / "f_#.png", tmp_path / "none" / "f.gif"]
-    with pytest.raises(alight.OutputError, match="none does not exist"):
-        alight.animate("cornell-box", **SMALL, turntable=True, frames="0:2", output=output)
-    assert renders == [] and frames_of(tmp_path) == []
-
-
 @pytest.mark.parametrize("moves", [False, True])
 def test_a_turntable_says_that_it_leaves_out_the_cameras_own_motion(moves):
     frames = [{"time": 0}, {"time": 1, "translate": [1 if moves else 0, 0, 0]}]
@@ -374,13 +319,6 @@ def test_a_turntable_says_that_it_leaves_out_the_cameras_own_motion(moves):
     made = Animation(scene, AnimationOptions(turntable=True, output="f_#.png"))
     told = [text for text in made.prepared.warnings() if "without its motion" in text]
     assert len(told) == moves
-
-
-@pytest.mark.parametrize(("output", "told"), [("f.gif", True), ("f_#.png", False)])
-def test_films_keep_no_alpha_and_say_so(output, told):
-    options = AnimationOptions(turntable=True, background="transparent", output=output)
-    warnings = Animation("cornell-box", options).prepared.warnings()
-    assert any("only EXR and PNG keep alpha" in text for text in warnings) == told
 
 
 def test_layers_that_no_file_of_a_frame_keeps_are_told(tmp_path):

@@ -62,6 +62,23 @@ def test_a_stopped_render_goes_on_to_the_same_bits(tmp_path, monkeypatch, refere
     assert again.stats["verdict"]["word"] == "done"
 
 
+def test_a_render_is_not_begun_over_one_that_was_stopped(tmp_path, monkeypatch, reference):
+    path = tmp_path / "a b.alight"
+    stopped_after(3, path, monkeypatch)
+    before = path.read_bytes()
+    told = ""
+    try:
+        alight.render(scene(), spp=SPP, checkpoint=path)
+    except OutputError as error:
+        told = str(error)
+    assert f"a render that was stopped; to go on: alight resume '{path}'" in told
+    assert path.read_bytes() == before
+    assert_same(alight.resume(path), reference)
+    # One that has ended is written over, and so is one without a sample.
+    for limit in ({"spp": SPP}, {"time_limit": 1e-6}, {"spp": 1}):
+        alight.render(scene(), checkpoint=path, threads=1, **limit)
+
+
 def test_more_samples_are_those_of_a_longer_render(tmp_path, monkeypatch, reference):
     path = tmp_path / "a.alight"
     alight.render(scene(), spp=9, checkpoint=path)

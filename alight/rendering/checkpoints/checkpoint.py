@@ -15,17 +15,19 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import FilmError
+from alight.core.errors import AlightError, FilmError, OutputError
 from alight.films import Film
 from alight.films.archive import Archive, read_archive, write_archive
 from alight.films.storage import as_tuples, pack_films, unpack_films
 from alight.rendering.job import JobState
+from alight.rendering.schedules.passes import Work
 from alight.rendering.schedules.schedule import Goal, Schedule
 from alight.rendering.schedules.selection import restored_schedule
 from alight.scene import Scene
@@ -188,6 +190,35 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
         content["notes"],
     )
     return Checkpoint(os.fspath(path), state, origin)
+
+
+def check_nothing_is_lost(path: str | os.PathLike[str]) -> None:
+    """Refuse to begin a render over the checkpoint of one that was stopped before its end.
+
+    Who runs the same command again means to go on, and would lose all samples with the first
+    checkpoint. One that has ended is written over, as its pictures are.
+
+    Raises
+    ------
+    OutputError
+        With the command that goes on.
+    """
+    try:
+        state = read_checkpoint(path).state
+    except AlightError:
+        return
+    out_of_time = state.time_limit is not None and state.seconds >= state.time_limit
+    if state.goal is None or not state.samples or out_of_time:
+        return
+    if state.goal.round < len(state.rounds):
+        film = state.rounds[state.goal.round]
+        if not Work(state.goal, film).left:
+            return
+    name, spp = os.fspath(path), state.rounds[0].spp
+    raise OutputError(
+        f"cannot write {name}: it holds {spp:.4g} samples per pixel of a render that was stopped; "
+        f"to go on: alight resume {shlex.quote(name)}; to begin anew, remove it first"
+    )
 
 
 def _schedule_state(archive: Archive) -> dict[str, Any]:
