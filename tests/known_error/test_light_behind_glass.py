@@ -187,7 +187,7 @@ def test_what_is_missing_by_its_formula():
     q = np.array([1e-3, 3e-3, 2e-3])
     light = np.array([[0.1, 0.2, 0.3], [0.4, 0.1, 0.2], [0.2, 0.2, 0.2]])
     rows = np.column_stack([[7, 9, 9], [1, 1, 1], light, q])
-    unmet = light * np.exp(-1024 * q)[:, None]
+    unmet = light * np.exp(-512 * q)[:, None]
     points = np.stack([unmet[0], unmet[1] + unmet[2]])
     epsilon = 0.1**2
     relmse = (points**2 / ((1.0 + points) ** 2 + epsilon)).mean(axis=1).sum() / POINTS
@@ -197,8 +197,8 @@ def test_what_is_missing_by_its_formula():
     # A bound that is known counts if it is smaller.
     assert unseen(rows, largest=1e-3).figure < 1e-4
     assert unseen(rows, error=1e-9).factor > 1.0 == unseen(rows, error=1e-3, largest=1e-3).factor
-    # Two points of all, the second with less.
-    for error, share in ((1e-3, 2), (0.05, 1), (0.2, 0)):
+    # Two points of all, the second with a little less.
+    for error, share in ((1e-3, 2), (0.111, 1), (0.2, 0)):
         assert unseen(rows, error=error).doubtful == share / POINTS, points
     assert unseen(rows, spp=64).indicator < found.indicator
 
@@ -263,6 +263,17 @@ def test_more_samples_are_told_for_the_noise_of_what_none_has_met():
     found = judge_means(noisy, counts, Promise(0.1), behind=rows_of(rates, sizes))
     # m = 1 of 2: its noise takes (m / 2)^2 / (q error^2) samples; but for e^-0.13 it is unmet.
     assert found.factor * 64 == pytest.approx(0.25 / 2e-6 / 0.01 * math.exp(-0.13), rel=0.1)
+
+
+def test_what_is_missing_is_the_mean_square_of_what_cells_lack():
+    """A cell of 1 024 samples lacks the whole light, or has met some of it."""
+    rate, light, rng = 1.2e-3, 0.2, np.random.default_rng(3)
+    lacks = rng.poisson(1024 * rate, 100_000) == 0
+    scale = np.where(lacks, light, 0.0).mean() + 1.0
+    rows = np.column_stack([np.arange(POINTS), np.zeros(POINTS), np.full((POINTS, 3), light),
+                            np.full((POINTS, 2), rate)])  # fmt: skip
+    missing = math.sqrt((np.where(lacks, light, 0.0) ** 2).mean()) / scale
+    assert unseen(rows).hidden == pytest.approx(missing, rel=0.06)
 
 
 def test_so_many_more_samples_are_told_that_it_is_met():
