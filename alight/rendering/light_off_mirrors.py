@@ -17,9 +17,9 @@ the quotient of the two. Light of samples of about the same size (a factor of tw
 event, however many light paths have brought it.
 
 Half of the light paths aim at mirrors and clear glass, wherever these are while the shutter is
-open; the two ways are combined by the balance heuristic. Light that comes straight on through glass, from lamp to matte
-surface, is that of `alight.rendering.light_behind_glass`, and is left out. Media, and what glass
-absorbs, are neglected.
+open; the two ways are combined by the balance heuristic. Light that comes straight on through
+glass, from lamp to matte surface, is that of `alight.rendering.light_behind_glass`, and is left
+out. Media, and what glass absorbs, are neglected.
 
 Source: Jensen, Global illumination using photon maps, 1996; Veach 1997, section 9.2.
 """

@@ -89,7 +89,7 @@ class Pilot(Schedule):
     looks: list[float] = field(default_factory=list)
     need: float = math.inf
     begin: float | None = None
-    chance: Chance = Chance()
+    chance: Chance = field(default_factory=Chance)
     met: float = 0.0
     name: ClassVar[str] = "pilot"
 

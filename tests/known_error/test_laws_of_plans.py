@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from alight.rendering.depth_cap import _series
 from alight.metrics.own_error import estimate_relmse
+from alight.rendering.depth_cap import _series
 from alight.rendering.plan import Pilot, _look_after, _times, plan_of
 from alight.rendering.schedules.chance import Chance
 from alight.rendering.schedules.stopping import Promise, first_look, judge_means, next_look

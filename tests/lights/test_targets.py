@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import alight
 from alight.bsdfs.conductors.mirror import Mirror
 from alight.compiled import casters
 from alight.core.vec import Vec3
@@ -20,6 +21,7 @@ from alight.lights.targets import (
     way_to,
     way_to_caster,
 )
+from alight.scene import flatten
 from lanewise.jit import instantiate
 from tests.rendering.many_paths import compiled
 
@@ -233,6 +235,28 @@ def test_a_lamp_with_a_shape_has_one_radius_from_everywhere():
 def test_what_reaches_to_infinity_has_no_box_to_aim_at(monkeypatch):
     """Along one axis is enough."""
     ends = [(np.zeros(3), np.ones(3)), (np.zeros(3), np.array([1.0, np.inf, 1.0])), None]
-    flat = SimpleNamespace(bsdfs=[Mirror()], shapes=[SimpleNamespace(bsdf=0, box=b, motion=None) for b in ends])
+    shapes = [SimpleNamespace(bsdf=0, box=box, motion=None) for box in ends]
+    flat = SimpleNamespace(bsdfs=[Mirror()], shapes=shapes)
     monkeypatch.setattr(casters, "box_of", lambda _, placed: placed.box)
     np.testing.assert_array_equal(casters.boxes_of_casters(flat), [[0, 0, 0, 1, 1, 1]])
+
+
+def test_boxes_of_what_moves_hold_it_while_the_shutter_is_open():
+    """A mirror that is turned about an axis beside it, and shifted."""
+    turned = {"axis": [0, 0, 1], "angle": 90}
+    frames = [{"time": 0, "translate": [1, 2, 3]},
+              {"time": 1, "translate": [2, 2, 4], "rotate": turned}]  # fmt: skip
+    scene = alight.load({
+        "alight": 1, "camera": {"type": "pinhole"},
+        "nodes": {"ball": {
+            "shape": {"type": "sphere", "radius": 0.25, "center": [1, 0, 0]},
+            "bsdf": {"type": "mirror"}, "transform": {"keyframes": frames},
+        }},
+    })  # fmt: skip
+    flat = flatten(scene)
+    ((*low, a, b, c),) = casters.boxes_of_casters(flat)
+    middles = [flat.shapes[0].motion.at(time) @ [1, 0, 0, 1] for time in np.linspace(0, 1, 33)]
+    least, most = np.min(middles, axis=0)[:3] - 0.25, np.max(middles, axis=0)[:3] + 0.25
+    assert (low <= least).all() and (most <= (a, b, c)).all()
+    # And not much more.
+    np.testing.assert_allclose([*low, a, b, c], [*least, *most], atol=0.15)

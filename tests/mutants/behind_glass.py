@@ -4,6 +4,7 @@ from tests.mutants.mutant import Mutant
 
 GLASS = "tests/known_error/test_light_behind_glass.py"
 MIRRORS = "tests/known_error/test_light_off_mirrors.py"
+PLANS = "tests/known_error/test_laws_of_plans.py"
 
 BEHIND_GLASS = (
     Mutant(
@@ -27,7 +28,7 @@ BEHIND_GLASS = (
     Mutant(
         "the sun behind a window as wide as the chance to choose it",
         "rendering/light_behind_glass.py",
-        (("wide(choice.mis_pmf, n) / safe", "1.0 / safe"),),
+        (("seen_as = chosen / safe", "seen_as = 1.0 / safe"),),
         f"{GLASS}::test_the_pilot_sees_what_the_lamp_would_give_without_the_pane[3]",
     ),
     Mutant(
@@ -71,6 +72,37 @@ BEHIND_GLASS = (
         "rendering/pilot_rays.py",
         (("if not self.program.motion:", "if True:"),),
         f"{GLASS}::test_what_moves_is_looked_at_too",
+    ),
+    Mutant(
+        "light paths aimed at where casters were before they moved",
+        "compiled/casters.py",
+        (("placed.motion.bounds(*box) if placed.motion else box", "box"),),
+        "tests/lights/test_targets.py::test_boxes_of_what_moves_hold_it_while_the_shutter_is_open",
+    ),
+    Mutant(
+        "plans that know no more than their samples",
+        "rendering/plan.py",
+        (("if _LITTLE * whole < self.chance.noise:", "if False:"),),
+        f"{PLANS}::test_the_plan_is_what_the_rule_takes_within_a_factor_of_two",
+    ),
+    Mutant(
+        "each direction to a light taken for all of it",
+        "rendering/light_behind_glass.py",
+        (("q / np.where(chosen > 0.0, chosen, 1.0)", "q"),),
+        f"{GLASS}::test_the_pilot_sees_what_the_lamp_would_give_without_the_pane[3]",
+    ),
+    Mutant(
+        "more samples without the noise of what none has met",
+        "rendering/schedules/stopping.py",
+        (("(achieved**2 + unmet) / promise", "achieved**2 / promise"),),
+        "tests/known_error/test_rare_light.py"
+        "::test_more_samples_are_told_for_the_noise_of_what_none_has_met",
+    ),
+    Mutant(
+        "light that each cell lacks in part",
+        "rendering/schedules/unseen.py",
+        (("np.exp(-0.5 * factor", "np.exp(-factor"),),
+        f"{GLASS}::test_what_is_missing_is_the_mean_square_of_what_cells_lack",
     ),
     Mutant(
         "a promise without an interval",

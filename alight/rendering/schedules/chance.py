@@ -94,8 +94,12 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
     noise, rate, size = noise[order], rate[order], size[order]
     events = np.cumsum(rate) * float(n.sum()) / POINTS
     met = events[np.searchsorted(-size, -0.5 * size, side="right") - 1]
-    told = noise, noise * np.exp(-met), noise * _PILOT_EVENTS / (_PILOT_EVENTS + met)
-    return Chance(*(float(part.sum()) for part in told), least)
+    return Chance(
+        noise=float(noise.sum()),
+        unmet=float((noise * np.exp(-met)).sum()),
+        piloted=float((noise * _PILOT_EVENTS / (_PILOT_EVENTS + met)).sum()),
+        size=least,
+    )
 
 
 def without_samples(means: np.ndarray, counts: np.ndarray, size: float) -> np.ndarray:

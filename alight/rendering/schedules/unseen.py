@@ -170,7 +170,9 @@ class _Hidden:
         if self.behind is None:
             return np.zeros(0)
         missing = np.zeros((3, len(self.points)))
-        unmet = self.behind[:, 2:5] * np.exp(-factor * self.found)[:, None]
+        # A cell lacks such light as a whole, with probability e^-f, or has it: the root of the mean
+        # square. Roots of squares of several lights add up to no less than that of their sum.
+        unmet = self.behind[:, 2:5] * np.exp(-0.5 * factor * self.found)[:, None]
         for channel in range(3):
             np.add.at(missing[channel], self.of_row, unmet[:, channel])
         # What is missing is a part of the true brightness.
