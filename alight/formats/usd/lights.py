@@ -300,8 +300,8 @@ def _around(light: Data, **more: Data) -> Placed:
 def _pole(stage: Stage, prim: Any, world: np.ndarray) -> np.ndarray:
     """The axes of a dome's picture in the world, (3, 3), its third column towards the middle.
 
-    The pole is +y of the prim; of a `DomeLight_1` the axis that the stage has up, or the one that
-    it names, to which +y is turned about x.
+    The pole is +y of the prim; of a `DomeLight_1` the axis that its poleAxis names, the one that is
+    up on the stage by default, to which +y is turned about x.
     """
     linear = world[:3, :3]
     if prim.GetTypeName() != "DomeLight_1":
