@@ -155,8 +155,8 @@ class Animation:
         if options.turntable and place_camera(self.scene).motion is not None:
             text = "{turntable} takes the camera as it is at first, without its motion"
             self.prepared.useless.append((text, ("turntable",)))
-        # What the scene says already is not said again for every frame.
-        self.single = single.with_loaded_scene()
+        # What the scene says already is not said again for every frame; denoising has added layers.
+        self.single = self.prepared.options.with_loaded_scene()
         #: By frame: threads are done in any order.
         self._kept: dict[int, list[Path]] = {}
         self.warnings: dict[str, None] = {}

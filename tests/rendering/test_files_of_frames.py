@@ -18,12 +18,13 @@ SMALL = {"size": (8, 8), "spp": 1, "threads": 1, "turntable": True}
 
 @pytest.fixture
 def renders(monkeypatch):
-    """Every film that is rendered, without layers that help a denoiser: they take other kernels."""
+    """Options of every film, which is rendered without layers: these take other kernels."""
     made, render = [], animation.main_loop.render_film
 
     def plain(scene, options, executor):
-        made.append(render(scene, options.changed(aovs=()), executor))
-        return made[-1]
+        film = render(scene, options.changed(aovs=()), executor)
+        made.append(options)
+        return film
 
     monkeypatch.setattr(animation.main_loop, "render_film", plain)
     return made
@@ -39,6 +40,8 @@ def test_frames_are_denoised_in_all_files(tmp_path, monkeypatch, renders):
     monkeypatch.setattr(animation, "denoise", grey)
     output = [tmp_path / "f_#.exr", tmp_path / "f_#.png", tmp_path / "f.apng"]
     alight.animate("cornell-box", **SMALL, denoise=True, frames="0:1", output=output)
+    # As for a single picture.
+    assert renders[0].aovs == ("albedo_through", "normal_through")
     assert (read_image(tmp_path / "f_0.exr") == 0.5).all()
     for name in ("f_0.png", "f.apng"):
         with Image.open(tmp_path / name) as image:
