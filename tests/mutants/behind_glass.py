@@ -105,6 +105,12 @@ BEHIND_GLASS = (
         f"{GLASS}::test_what_is_missing_is_the_mean_square_of_what_cells_lack",
     ),
     Mutant(
+        "a cap's pilot that misses each light in part",
+        "rendering/depth_cap.py",
+        (("np.exp(-0.5 * found)", "np.exp(-found)"),),
+        f"{GLASS}::test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed",
+    ),
+    Mutant(
         "a promise without an interval",
         "metrics/error_estimate.py",
         (
