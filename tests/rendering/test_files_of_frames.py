@@ -8,6 +8,7 @@ from PIL import Image
 
 import alight
 from alight.core.srgb import decode_srgb
+from alight.films import Film
 from alight.options.animation import AnimationOptions
 from alight.outputs.image import read_image
 from alight.rendering import animation
@@ -46,6 +47,22 @@ def test_frames_are_denoised_in_all_files(tmp_path, monkeypatch, renders):
     for name in ("f_0.png", "f.apng"):
         with Image.open(tmp_path / name) as image:
             assert (np.asarray(image.convert("RGB")) == 188).all()
+
+
+def test_what_went_wrong_is_told_with_the_number_of_its_frame(tmp_path, monkeypatch):
+    """And what is suspicious of the scene once."""
+
+    def broken(scene, options, executor):
+        film = Film(8, 8)
+        film.stats, film.invalid = {"warnings": ["it is dark"], "msamples_per_s": 1.0}, 3
+        return film
+
+    monkeypatch.setattr(animation.main_loop, "render_film", broken)
+    options = AnimationOptions(**SMALL, frames="4:6", output=tmp_path / "f_#.png")
+    made = Animation("cornell-box", options)
+    made.render()
+    broken_by = "3 samples were NaN or infinite and were added as black"
+    assert list(made.warnings) == ["it is dark", *(f"frame {n}: {broken_by}" for n in (4, 5))]
 
 
 def test_a_film_is_the_same_of_new_and_of_kept_frames(tmp_path, monkeypatch, renders):
