@@ -66,9 +66,9 @@ def build_accelerator(
     many : sequence of Many
     builder : {"sah", "median"}
         How the tree is divided.
-    structure : {"auto", "list", "bvh"}
+    structure : {"auto", "list", "bvh", "none"}
         "list": every primitive is tested, instances are written out (the oracle of tests; runs in
-        the NumPy twin). "bvh": everything with bounds goes into the tree.
+        the NumPy twin). "bvh": everything with bounds goes into the tree. "none": nothing is met.
     threads : int
         For the build.
 
@@ -82,13 +82,16 @@ def build_accelerator(
         ``bytes``, ``seconds``.
     """
     begin = time.perf_counter()
+    if structure == "none":
+        triangles, analytic, unbounded, instances, geometries, moving, many = None, *[()] * 6
     sorter = _Sorter(triangles, analytic, unbounded, instances, geometries, moving, many)
     if structure == "list":
         sorter.list_everything()
     elif structure == "auto":
         sorter.list_the_big()
-    elif structure != "bvh":
-        raise ValueError(f'structure must be "auto", "list" or "bvh", got {structure!r}')
+    elif structure not in ("bvh", "none"):
+        text = f'structure must be "auto", "list", "bvh" or "none", got {structure!r}'
+        raise ValueError(text)
     # What the oracle tests one by one stays so.
     accelerator, plan, stats = sorter.finish(builder, threads, in_pairs=structure == "auto")
     stats["seconds"] = time.perf_counter() - begin

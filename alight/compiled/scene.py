@@ -131,8 +131,9 @@ def compile_scene(
         Kept with the result.
     aovs : tuple of str
         Further layers that the kernels must gather.
-    structure : {"auto", "list", "bvh"}
-        How rays find surfaces; "list" tests every primitive (and runs in the NumPy twin).
+    structure : {"auto", "list", "bvh", "none"}
+        How rays find surfaces; "list" tests every primitive (and runs in the NumPy twin), "none" is
+        for those who send no rays.
     builder : {"sah", "median"}
         How the tree is divided.
     threads : int
@@ -210,7 +211,7 @@ def compile_scene(
         registered=versions(described(given)),
         environments=lights.environments,
     )
-    if flat.integrator.aims_at_lamps:
+    if flat.integrator.aims_at_lamps and structure != "none":
         tables = with_photons(program, tables, shapes.center, shapes.radius)
     return CompiledScene(
         tables=tables,

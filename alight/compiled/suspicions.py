@@ -7,11 +7,11 @@ from alight.scene import Scene, flatten
 
 
 def suspicions(scene: Scene) -> tuple[str, ...]:
-    """`CompiledScene.warnings` of a scene; no tree is built for it.
+    """`CompiledScene.warnings` of a scene, for which nothing is built or traced.
 
     Raises
     ------
     SceneError
         With every problem of the scene.
     """
-    return compile_scene(flatten(scene), structure="list").warnings
+    return compile_scene(flatten(scene), structure="none").warnings

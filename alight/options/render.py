@@ -90,7 +90,7 @@ class PromiseOptions(Options):
         if self.metric == "relrmse" and self.given("share"):
             found.append(("{share} does nothing without {metric} pixel", ("share", "metric")))
         if self.error >= 1.0:  # type: ignore[operator]
-            text = f"{{error}}: asks for {100.0 * self.error:g} %; {self.error:g}% is less"  # type: ignore[operator]
+            text = f"{{error}}: asks for {100.0 * self.error:g} %; did you mean {self.error:g}%?"  # type: ignore[operator]
             found.append((text, ("error",)))
         return found
 

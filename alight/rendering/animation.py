@@ -155,8 +155,8 @@ class Animation:
         if options.turntable and place_camera(self.scene).motion is not None:
             text = "{turntable} takes the camera as it is at first, without its motion"
             self.prepared.useless.append((text, ("turntable",)))
-        # What the scene says already is not said again for every frame.
-        self.single = single.with_loaded_scene()
+        # What the scene says already is not said again for every frame; denoising has added layers.
+        self.single = self.prepared.options.with_loaded_scene()
         #: By frame: threads are done in any order.
         self._kept: dict[int, list[Path]] = {}
         self.warnings: dict[str, None] = {}
@@ -264,7 +264,9 @@ class Animation:
         if self._stop.is_set():
             raise _CancelledError
         self._note_pace(film)
-        self.warnings.update(dict.fromkeys(film.warnings))
+        of_scene = film.stats["warnings"]
+        for text in film.warnings:
+            self.warnings[text if text in of_scene else f"frame {number}: {text}"] = None
         picture = self._picture_of(film, any(format_of(path).KEEPS_LAYERS for path in missing))
         picture = replace(picture, attributes={**picture.attributes, FRAME: label})
         for path in missing:

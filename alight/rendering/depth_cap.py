@@ -14,8 +14,8 @@ halves begin:
 Where light is found by chance alone (a random walk, BSDF sampling, a lamp behind clear glass), the
 pilot takes more samples, and may still have missed what is rare and bright. An event that none of
 its N samples met has a probability below 3 / N with 95 % confidence; as bright as the brightest
-sample, that is added to the standard error. So is what N samples are expected to miss of light
-behind glass (`alight.rendering.light_behind_glass`).
+sample, that is added to the standard error. So is the root of the mean square of what N samples
+miss of light behind glass (`alight.rendering.light_behind_glass`).
 """
 
 from __future__ import annotations
@@ -138,11 +138,12 @@ def _enough(behind: np.ndarray) -> int:
 
 
 def _unmet(job: Job, samples: float) -> float:
-    """Light behind glass that so many samples are not expected to have met, mean radiance."""
+    """Light behind glass that so many samples miss, mean radiance: the root of the mean square."""
     if job.behind_glass is None:
         return 0.0
     light, found = job.behind_glass[:, 2:5], samples * job.behind_glass[:, 5]
-    return float((light.mean(axis=1) * np.exp(-found)).sum()) / POINTS
+    # They miss such light as a whole, with probability e^-f, or have met it.
+    return float((light.mean(axis=1) * np.exp(-0.5 * found)).sum()) / POINTS
 
 
 def _series(found: np.ndarray) -> tuple[float, np.ndarray]:

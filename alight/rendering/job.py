@@ -244,7 +244,7 @@ class Job:
     def film(self) -> Film:
         """The picture so far."""
         film = self.schedule.picture(self.rounds)
-        # Who looks at a picture that grows shall know them as well as who sees it finished.
+        # Whoever watches the picture grow is to know them, not only who sees it finished.
         film.stats.setdefault("warnings", list(self.scene.warnings))
         return film
 

@@ -323,7 +323,8 @@ def _least(values: np.ndarray) -> np.ndarray:
     some = values[::NEAREST]
     if len(some) >= NEAREST:
         bound = np.partition(some, NEAREST - 1)[NEAREST - 1]
-        rows = np.flatnonzero(values <= bound)
+        # A point that is not a number is near none, and the bound is none either.
+        rows = np.flatnonzero(~(values > bound))
     else:
         rows = np.arange(len(values))
     return np.sort(rows[np.argpartition(values[rows], NEAREST - 1)[:NEAREST]])

@@ -177,7 +177,7 @@ def test_options_without_effect_are_warned_of(alight):
         ("--dpi 300 -o a.hdr", "--dpi: only PNG, JPEG and EXR keep it"),
         ("--background transparent -o a.jpg", "--background: only EXR and PNG keep alpha"),
         ("--bits 16 -o a.jpg", "--bits: only PNG has 16"),
-        ("--error 5", "--error: asks for 500 %; 5% is less"),
+        ("--error 5", "--error: asks for 500 %; did you mean 5%?"),
     ],
 )
 def test_words_that_need_others_are_warned_of(alight, words, said):

@@ -73,6 +73,7 @@ def called(monkeypatch):
     for name in {one[0] for one in CALLS.values()}:
         monkeypatch.setattr(alight, name, keeper(name))
     monkeypatch.setattr("alight.options.loading.scene_of", lambda name, options: Loaded(name))
+    monkeypatch.setattr("alight.compiled.suspicions.suspicions", lambda scene: scene.warnings)
     return kept
 
 
@@ -156,7 +157,8 @@ def test_frames_that_were_stopped_say_where_the_same_command_begins(
         """An animation of frames 3 to 8 that is stopped at frame 5."""
 
         numbers, current, kept, films, scene = range(3, 9), 5, [], [], None
-        notes, prepared = ["of a frame"], SimpleNamespace(warnings=lambda spell: ["of the scene"])
+        warnings = ["of a frame"]
+        prepared = SimpleNamespace(warnings=lambda spell: ["of the scene"])
 
         def __init__(self, scene, options):
             self.goes_on, self.cancel = goes_on, options.cancel

@@ -100,11 +100,13 @@ def test_the_estimate_is_unbiased_and_its_standard_error_its_spread(monkeypatch,
 @pytest.mark.parametrize(
     ("name", "size", "replicates", "cells"),
     [
-        ("roulette", (64, 64), 4, 8), ("roulette", (256, 256), 4, 32), ("roulette", (64, 64), 8, 4),
+        ("roulette", (64, 64), 4, 8), ("roulette", (256, 256), 4, 32), ("roulette", (64, 64), 8, 8),
         ("chance", (128, 128), 4, 64), ("roulette", (8, 16), 4, 2), ("series", (800, 800), 1, 1024),
     ],
 )  # fmt: skip
-def test_one_sample_for_eight_pixels_and_2048_at_least(monkeypatch, name, size, replicates, cells):
+def test_one_sample_for_eight_pixels_and_2048_and_eight_cells_at_least(
+    monkeypatch, name, size, replicates, cells
+):
     box = Box(monkeypatch, INTEGRATORS[name], np.ones(size[::-1]), replicates=replicates)
     if cells < 100:
         light_beyond(box.job, 3, 1)

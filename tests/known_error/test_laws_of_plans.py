@@ -153,6 +153,26 @@ def test_the_plan_is_what_the_rule_takes_within_a_factor_of_two():
         assert 0.5 < plan_of(pilot, 4).spp.value / spp < 2.0
 
 
+def test_a_look_takes_the_time_of_what_the_rule_does(monkeypatch):
+    """The pilot's own estimate is no part of it."""
+    means, counts = np.ones((8, 8, 4, 3), np.float32), np.full((8, 8, 4), 16)
+    clock = [0.0]
+
+    def takes(seconds, what):
+        clock[0] += seconds
+        return what
+
+    film = SimpleNamespace(
+        replicate_means=lambda: takes(1.0, (means, counts)),
+        relmse_estimate=lambda literature: takes(100.0, estimate_relmse(means, counts)),
+        behind_glass=None, largest_sample=None, by_chance=False,
+    )  # fmt: skip
+    monkeypatch.setattr("alight.rendering.plan.time.process_time", lambda: clock[0])
+    pilot = pilot_of(looks=[])
+    pilot._look(film)
+    assert pilot.looks == [1.0]
+
+
 @pytest.mark.parametrize("replicates", [1, 4, 6])
 def test_a_look_is_the_first_one_at_or_after_so_many_samples(replicates):
     looks = looks_up_to(5000, replicates)

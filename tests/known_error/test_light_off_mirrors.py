@@ -8,6 +8,7 @@ import pytest
 import alight
 from alight.compiled.scene import compile_scene
 from alight.rendering.light_behind_glass import light_behind_glass
+from alight.rendering.light_off_mirrors import NEAREST, _least
 from alight.rendering.pilot_rays import POINTS
 from alight.rendering.schedules.stopping import Promise, judge_means
 from alight.scene import flatten
@@ -96,6 +97,15 @@ def test_a_mirror_is_a_window_to_an_image_of_the_lamp(changes):
 )
 def test_nothing_is_found_without_a_mirror_or_where_paths_are_led_to_it(changes):
     assert found_in(room(**changes)) is None
+
+
+@pytest.mark.parametrize("count", [NEAREST, 255, 256, 4000])
+def test_the_least_of_many_values_are_found(count):
+    values = np.random.default_rng(count).permutation(count).astype(float)
+    values[count // 2 :] = np.inf
+    assert set(values[_least(values)]) >= set(np.sort(values)[:NEAREST])
+    # A surface may be nowhere: what it sees is nothing, and ends no render.
+    assert len(_least(np.full(count, np.nan))) == NEAREST
 
 
 def test_a_picture_that_no_such_light_has_met_is_not_promised():

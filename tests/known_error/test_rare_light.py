@@ -56,6 +56,20 @@ def test_samples_tell_the_noise_of_what_they_have_met_and_not_of_larger_ones():
     assert chance.doubt == pytest.approx(2.0 * math.sqrt((part / (64 + met)).sum()))
 
 
+def test_noise_is_told_over_the_brightness_of_its_own_cell():
+    """Of four cells; and light that no path finds brings none."""
+    means, counts = np.ones((16, 16, 4, 3), np.float32), np.full((16, 16, 4), 16)
+    means[8:, 8:] = 3.0
+    rates, light = np.full(POINTS, 1e-5), np.full((POINTS, 3), 0.5)
+    rates[7] = 0.0
+    rows = np.column_stack([np.arange(POINTS), np.full(POINTS, 3), light, rates, rates])
+    for cell, brightness in ((3, 3.0), (0, 1.0)):
+        rows[:, 1] = cell
+        square = 0.5**2 / ((brightness + 0.5) ** 2 + (0.1 * 1.5) ** 2)
+        found = chance_noise(means, counts, rows)
+        assert found.noise == pytest.approx(255 / 256 * square / (1e-5 * 64), rel=1e-6)
+
+
 def test_light_that_most_replicates_have_met_is_not_rare():
     rates, sizes = (0.03,), (20.0,)
     means, counts = numbers_of(rates, sizes, 64, 1)

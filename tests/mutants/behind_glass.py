@@ -76,7 +76,7 @@ BEHIND_GLASS = (
     Mutant(
         "light paths aimed at where casters were before they moved",
         "compiled/casters.py",
-        (("placed.motion.bounds(*box) if placed.motion else box", "box"),),
+        (("        if motion:", "        if False:"),),
         "tests/lights/test_targets.py::test_boxes_of_what_moves_hold_it_while_the_shutter_is_open",
     ),
     Mutant(
@@ -103,6 +103,12 @@ BEHIND_GLASS = (
         "rendering/schedules/unseen.py",
         (("np.exp(-0.5 * factor", "np.exp(-factor"),),
         f"{GLASS}::test_what_is_missing_is_the_mean_square_of_what_cells_lack",
+    ),
+    Mutant(
+        "a cap's pilot that misses each light in part",
+        "rendering/depth_cap.py",
+        (("np.exp(-0.5 * found)", "np.exp(-found)"),),
+        f"{GLASS}::test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed",
     ),
     Mutant(
         "a promise without an interval",

@@ -98,8 +98,14 @@ BEYOND_EXAMPLES = (
     Mutant(
         "a render that begins over one that was stopped",
         "rendering/checkpoints/checkpoint.py",
-        (("if not Work(state.goal, film).left:", "if Work(state.goal, film).left:"),),
+        (("        return False\n    # A goal", "        return True\n    # A goal"),),
         "tests/rendering/test_checkpoints.py::test_a_render_is_not_begun_over_one_that_was_stopped",
+    ),
+    Mutant(
+        "a render that begins over one that was stopped at a look",
+        "rendering/checkpoints/checkpoint.py",
+        (("return isinstance(schedule.next(state.rounds), Verdict)", "return True"),),
+        "tests/rendering/test_stopped_at_a_look.py::test_it_is_not_over_before_its_promise_is_kept",
     ),
     Mutant(
         "a picture of 16 bits that is white",

@@ -200,8 +200,14 @@ OUTER = (
     Mutant(
         "a guide is drawn without the warnings of its scene",
         "cli/guide.py",
-        (("    for warning in description.warnings:\n        warn(warning)\n", ""),),
+        (("    warn_of(description)\n", ""),),
         f"{THIN}::test_a_command_passes_on_what_was_typed",
+    ),
+    Mutant(
+        "frames are denoised without the layers that a denoiser asks for",
+        "rendering/animation.py",
+        (("self.prepared.options.with_loaded_scene()", "single.with_loaded_scene()"),),
+        "tests/rendering/test_files_of_frames.py::test_frames_are_denoised_in_all_files",
     ),
     Mutant(
         "a film that starts anew is said to start where it was stopped",

@@ -46,8 +46,13 @@ RENDERING_SPACE = (
     ),
     Mutant(
         "suspicions of the compiler told to nobody",
-        "rendering/main_loop.py",
-        (("[*flat.notes, *(text", "[*flat.notes, *(text * 0"),),
+        "rendering/job.py",
+        (
+            (
+                '"warnings": list(self.scene.warnings),',
+                '"warnings": [text * 0 for text in self.scene.warnings],',
+            ),
+        ),
         f"{CONTACTS}::test_renders_say_so",
     ),
     Mutant(

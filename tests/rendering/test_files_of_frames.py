@@ -8,6 +8,7 @@ from PIL import Image
 
 import alight
 from alight.core.srgb import decode_srgb
+from alight.films import Film
 from alight.options.animation import AnimationOptions
 from alight.outputs.image import read_image
 from alight.rendering import animation
@@ -18,12 +19,13 @@ SMALL = {"size": (8, 8), "spp": 1, "threads": 1, "turntable": True}
 
 @pytest.fixture
 def renders(monkeypatch):
-    """Every film that is rendered, without layers that help a denoiser: they take other kernels."""
+    """Options of every film, which is rendered without layers: these take other kernels."""
     made, render = [], animation.main_loop.render_film
 
     def plain(scene, options, executor):
-        made.append(render(scene, options.changed(aovs=()), executor))
-        return made[-1]
+        film = render(scene, options.changed(aovs=()), executor)
+        made.append(options)
+        return film
 
     monkeypatch.setattr(animation.main_loop, "render_film", plain)
     return made
@@ -39,10 +41,28 @@ def test_frames_are_denoised_in_all_files(tmp_path, monkeypatch, renders):
     monkeypatch.setattr(animation, "denoise", grey)
     output = [tmp_path / "f_#.exr", tmp_path / "f_#.png", tmp_path / "f.apng"]
     alight.animate("cornell-box", **SMALL, denoise=True, frames="0:1", output=output)
+    # As for a single picture.
+    assert renders[0].aovs == ("albedo_through", "normal_through")
     assert (read_image(tmp_path / "f_0.exr") == 0.5).all()
     for name in ("f_0.png", "f.apng"):
         with Image.open(tmp_path / name) as image:
             assert (np.asarray(image.convert("RGB")) == 188).all()
+
+
+def test_what_went_wrong_is_told_with_the_number_of_its_frame(tmp_path, monkeypatch):
+    """And what is suspicious of the scene once."""
+
+    def broken(scene, options, executor):
+        film = Film(8, 8)
+        film.stats, film.invalid = {"warnings": ["it is dark"], "msamples_per_s": 1.0}, 3
+        return film
+
+    monkeypatch.setattr(animation.main_loop, "render_film", broken)
+    options = AnimationOptions(**SMALL, frames="4:6", output=tmp_path / "f_#.png")
+    made = Animation("cornell-box", options)
+    made.render()
+    broken_by = "3 samples were NaN or infinite and were added as black"
+    assert list(made.warnings) == ["it is dark", *(f"frame {n}: {broken_by}" for n in (4, 5))]
 
 
 def test_a_film_is_the_same_of_new_and_of_kept_frames(tmp_path, monkeypatch, renders):

@@ -28,7 +28,7 @@ from alight.films.archive import Archive, read_archive, write_archive
 from alight.films.storage import as_tuples, pack_films, unpack_films
 from alight.rendering.job import JobState
 from alight.rendering.schedules.passes import Work
-from alight.rendering.schedules.schedule import Goal, Schedule
+from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.schedules.selection import restored_schedule
 from alight.scene import Scene
 from alight.scene.content import describe_content
@@ -205,20 +205,28 @@ def check_nothing_is_lost(path: str | os.PathLike[str]) -> None:
     """
     try:
         state = read_checkpoint(path).state
+        if _is_over(state):
+            return
     except AlightError:
         return
-    out_of_time = state.time_limit is not None and state.seconds >= state.time_limit
-    if state.goal is None or not state.samples or out_of_time:
-        return
-    if state.goal.round < len(state.rounds):
-        film = state.rounds[state.goal.round]
-        if not Work(state.goal, film).left:
-            return
     name, spp = os.fspath(path), state.rounds[0].spp
     raise OutputError(
         f"cannot write {name}: it holds {spp:.4g} samples per pixel of a render that was stopped; "
         f"to go on: alight resume {shlex.quote(name)}; to begin anew, remove it first"
     )
+
+
+def _is_over(state: JobState) -> bool:
+    """Whether nothing is lost with a job: it has ended, or has no sample."""
+    out_of_time = state.time_limit is not None and state.seconds >= state.time_limit
+    if state.goal is None or not state.samples or out_of_time:
+        return True
+    begun = state.rounds[state.goal.round :]
+    if not begun or Work(state.goal, begun[0]).left:
+        return False
+    # A goal that is reached may be a look of many.
+    schedule = restored_schedule(state.schedule, state.schedule_state)
+    return isinstance(schedule.next(state.rounds), Verdict)
 
 
 def _schedule_state(archive: Archive) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from alight.rendering.pilot_rays import POINTS
-from alight.rendering.schedules.unseen import cell_sum
+from alight.rendering.schedules.unseen import cell_sum, spread_over_pixels
 
 #: The pilot knows this noise to about a quarter, and as well as so many samples that have met it:
 #: more than for numbers of one size, because how bright their pixels are is not known either.
@@ -72,9 +72,9 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
     n, replicates = counts.sum(axis=2), counts.shape[2]
     pixels, cells, light = cell_sum(np.ones(n.shape)), behind[:, 1].astype(int), behind[:, 2:5]
     spp = (cell_sum(n) / pixels).ravel()[cells]
-    # The last column of tables of earlier versions is q.
-    rate = np.maximum(behind[:, -1], 1e-300)
-    rows = rate * spp < _RARE * replicates
+    # The last column of tables of earlier versions is q. What no path finds brings no noise.
+    rate = behind[:, -1]
+    rows = (rate > 0.0) & (rate * spp < _RARE * replicates)
     if not light[rows].any():
         return Chance()
     points, cells, light = behind[rows, 0].astype(int), cells[rows], light[rows]
@@ -83,7 +83,14 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
     order = np.argsort(-sample)
     most = np.cumsum((light.sum(axis=1) * sample)[order])
     least = float(sample[order[np.searchsorted(most, _MOST * most[-1])]])
-    rest = without_samples(means, counts, least).mean(axis=2, dtype=np.float64)
+    # Medians of a whole picture would take longer than all else at a look.
+    shown = np.zeros(pixels.shape, bool)
+    shown.flat[cells] = True
+    there = spread_over_pixels(shown, *n.shape)
+    rest = np.zeros((*n.shape, 3))
+    rest[there] = without_samples(means[there][None], counts[there][None], least)[0].mean(
+        axis=1, dtype=np.float64
+    )
     # What samples have met of it is chance; what it adds on average is known.
     added = np.stack([np.bincount(points, part, POINTS) for part in light.T], axis=1)[points]
     brightness = (cell_sum(rest) / pixels[..., None]).reshape(-1, 3)[cells] + added
