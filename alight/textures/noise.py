@@ -22,6 +22,7 @@ functions for GPU rendering, JCGT 9(3), 2020, for the hash.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -140,6 +141,9 @@ IN_SPACE = True
 
 _HALF_WORD = 2.0**16
 
+#: Whole cells along each axis, u32, modulo 2^32.
+Cells = namedtuple("Cells", "x y z")
+
 
 def _apart(spec: Noise, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The offset in rendering space, and whole cells from the world's origin to there (float64)."""
@@ -238,7 +242,7 @@ def evaluate(scene, base, surface):
     point = where(params.in_uv, Vec3(u, v, lanes(0.0)), p) * params.scale + params.offset
     x, y, z = point.x, point.y, point.z
     high, low = params.high, params.low
-    cells = Vec3(
+    cells = Cells(
         (to_uint(high.x) << 16) + to_uint(low.x),
         (to_uint(high.y) << 16) + to_uint(low.y),
         (to_uint(high.z) << 16) + to_uint(low.z),
@@ -252,7 +256,7 @@ def evaluate(scene, base, surface):
         total = where(more, total + size * wave, total)
         sizes = where(more, sizes + size, sizes)
         x, y, z, size, k = x + x, y + y, z + z, size * params.gain, k + 1.0
-        cells = Vec3(cells.x + cells.x, cells.y + cells.y, cells.z + cells.z)
+        cells = Cells(cells.x + cells.x, cells.y + cells.y, cells.z + cells.z)
         more = k < octaves
     mean = total / where(sizes > 0.0, sizes, 1.0)
     weight = minimum(maximum(where(turbulent, mean, 0.5 + 0.5 * mean), 0.0), 1.0)

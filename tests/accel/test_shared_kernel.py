@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from alight.accel import batch
+from alight.compiled.at_times import tables_at
 from alight.compiled.scene import compile_scene
 from alight.core.vec import Vec3
 from alight.formats import loads
-from alight.integrators.moments import tables_at
 from alight.scene import flatten
 from lanewise.machine_code import kind_of
 

@@ -134,6 +134,6 @@ def test_a_bias_is_a_part_of_the_light_that_there_would_be_without_it(effect):
     light, doubt = 0.5, 0.0625
     found = Bias("clamp", "said", effect, doubt).relative(light + effect)
     assert (found.effect, found.error) == (effect / light, doubt / light)
-    assert f"{100 * effect / light:+.2g} % ± {100 * doubt / light:.2g} %" in found.line
+    assert f"{100 * effect / light:+.0f} ± 12 %".replace("-", "\N{MINUS SIGN}") in found.line
     # Of no light at all there is no part.
     assert Bias("clamp", "said", effect, doubt).relative(effect).effect is None

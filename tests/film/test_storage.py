@@ -184,10 +184,15 @@ def test_newer_formats_and_other_archives_are_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("wrong", [None, 3, b"a.alight", [film_of()]])
-@pytest.mark.parametrize("read", [Film.load, merge])
-def test_what_is_no_path_of_a_film_is_refused(read, wrong):
+def test_what_is_no_path_of_a_film_is_refused(wrong):
     with pytest.raises(FilmError, match="must be a film or its path, each by itself; got "):
-        read(wrong)
+        Film.load(wrong)
+
+
+@pytest.mark.parametrize("wrong", [None, 3, b"a.alight", [film_of(), [3]]])
+def test_what_holds_no_film_is_not_merged(wrong):
+    with pytest.raises(FilmError, match="must be a film, a path or a list of these, got "):
+        merge(wrong)
 
 
 def test_a_missing_file_and_a_folder_are_said(tmp_path):

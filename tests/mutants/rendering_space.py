@@ -70,7 +70,7 @@ RENDERING_SPACE = (
     Mutant(
         "noise whose finer waves stay in rendering space",
         "textures/noise.py",
-        (("Vec3(cells.x + cells.x,", "Vec3(cells.x,"),),
+        (("Cells(cells.x + cells.x,", "Cells(cells.x,"),),
         STANDS,
     ),
     Mutant(
