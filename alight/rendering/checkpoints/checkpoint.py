@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import AlightError, FilmError, OutputError
+from alight.core.errors import FilmError, OutputError
 from alight.films import Film
 from alight.films.archive import Archive, read_archive, write_archive
 from alight.films.storage import as_tuples, pack_films, unpack_films
@@ -193,23 +193,31 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
 
 
 def check_nothing_is_lost(path: str | os.PathLike[str]) -> None:
-    """Refuse to begin a render over the checkpoint of one that was stopped before its end.
+    """Refuse to begin a render over a file whose samples would be lost.
 
-    Who runs the same command again means to go on, and would lose all samples with the first
-    checkpoint. One that has ended is written over, as its pictures are.
+    Who runs the same command again after a stop means to go on, and would lose all samples with the
+    first checkpoint. The checkpoint of a render that has ended is written over, as its pictures
+    are. What is no checkpoint, or cannot be read as one, is kept: a film, a file of a newer alight.
 
     Raises
     ------
     OutputError
-        With the command that goes on.
+        With the command that goes on, or what the file is.
     """
+    name = os.fspath(path)
     try:
         state = read_checkpoint(path).state
-        if _is_over(state):
+    except FilmError as error:
+        if not Path(path).stat().st_size:
             return
-    except AlightError:
+        text = f"cannot write a checkpoint: {error}; remove it first, or choose another name"
+        raise OutputError(text) from None
+    except OutputError:
+        # There is none; what cannot be read at all is reported when it is written.
         return
-    name, spp = os.fspath(path), state.rounds[0].spp
+    if _is_over(state):
+        return
+    spp = state.rounds[0].spp
     raise OutputError(
         f"cannot write {name}: it holds {spp:.4g} samples per pixel of a render that was stopped; "
         f"to go on: alight resume {shlex.quote(name)}; to begin anew, remove it first"
