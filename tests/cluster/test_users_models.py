@@ -82,7 +82,7 @@ def test_models_of_every_family_render_with_the_same_bits(client):
 
 def test_a_study_spreads_them_too(client, tmp_path, caplog):
     (tmp_path / "users.yaml").write_text(SCENE.replace("GUIDING", "off"))
-    scene = SceneSpec(str(tmp_path / "users.yaml"), reference=ReferenceSpec(spp=1024))
+    scene = SceneSpec(str(tmp_path / "users.yaml"), reference=ReferenceSpec(spp=8192))
     arms = (ArmSpec("deep", {"max_depth": 4}), ArmSpec("again", {"max_depth": 4}))
     study = Study("users", arms=arms, scenes=[scene], spp=(2,), replicates=4,
                   baseline="deep", equal_time=False)  # fmt: skip
