@@ -226,14 +226,20 @@ def compile_scene(
         ground=ground_of(flat, shapes, program, tables) if SHADOW in aovs else None,
         origin=origin,
         ball=space.ball,
-        warnings=(
-            *flat.warnings,
-            *flat.notes,
-            *suspicious_bodies(given),
-            *suspicious_contacts(flat, origin),
-            *suspicious_sizes(flat, shapes),
-            *_darkness(flat, lights.is_dark and EMISSIVE not in media),
-        ),
+        warnings=_warnings(given, space, lights.is_dark and EMISSIVE not in media),
+    )
+
+
+def _warnings(given: FlatScene, space: _Space, is_dark: bool) -> tuple[str, ...]:
+    """All that is suspicious; given: the scene before its meshes were displaced."""
+    flat = space.flat
+    return (
+        *flat.warnings,
+        *flat.notes,
+        *suspicious_bodies(given),
+        *suspicious_contacts(flat, space.origin),
+        *suspicious_sizes(flat, space.shapes),
+        *_darkness(flat, is_dark),
     )
 
 

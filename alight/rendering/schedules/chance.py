@@ -119,6 +119,11 @@ def without_samples(means: np.ndarray, counts: np.ndarray, size: float) -> np.nd
     means : ndarray, shape (h, w, R, 3)
     counts : ndarray of int, shape (h, w, R)
     size : float
+        Radiance of one sample, channels added.
+
+    Returns
+    -------
+    ndarray, shape (h, w, R, 3)
     """
     total = means.sum(axis=3)
     more = (total - np.median(total, axis=2, keepdims=True)) * counts
