@@ -344,7 +344,9 @@ def object_code(dispatcher: Any, arguments: tuple) -> ObjectCode:
     outside = sorted(set(re.findall(rb"\0(numba_\w+)(?=\0)", code)))
     if outside:
         names = ", ".join(name.decode() for name in outside)
-        raise UnsupportedError(f"functions of Numba are not there when a kernel runs: {names}")
+        said = f"functions of Numba are not there when a kernel runs: {names}"
+        # Numba dresses messages in codes of colour wherever colorama is installed.
+        raise UnsupportedError(said, highlighting=False)
     return ObjectCode(
         described.llvm_func_name,
         tuple("ptr" if t.endswith(("*", "ptr")) else t for t in plain),
