@@ -173,7 +173,7 @@ def test_frames_of_an_animation_are_those_of_one_machine(client, many_tasks, mon
         alight.animate("cornell-box", output=tmp_path / name / "f_#.png", **words)
         return [path.read_bytes() for path in sorted((tmp_path / name).iterdir())]
 
-    dispatchers, two_are_open, waited = [], threading.Barrier(2), []
+    dispatchers, opened, two_are_open, waited = [], [], threading.Event(), []
 
     class Dispatcher(dispatch.Dispatcher):
         def __init__(self, *words):
@@ -182,15 +182,17 @@ def test_frames_of_an_animation_are_those_of_one_machine(client, many_tasks, mon
 
         def open(self):
             super().open()
-            if len(waited) < 2:
-                waited.append(self)
-                two_are_open.wait(60.0)
+            opened.append(self)
+            if len(opened) == 2:
+                two_are_open.set()
+            waited.append(two_are_open.wait(30.0))
 
     monkeypatch.setattr(dispatch, "Dispatcher", Dispatcher)
     own = animate("own")
     assert len(set(own)) == 3
     assert animate("theirs", cluster=client) == own
     assert [one.counts["tasks"] > 1 for one in dispatchers] == [True] * 3
+    assert all(waited)
     # Where a frame was rendered is no part of what it is.
     animate("own", cluster=client)
     assert len(dispatchers) == 3
