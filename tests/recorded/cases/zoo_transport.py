@@ -118,6 +118,7 @@ SCENES = {
     "light-roulette": scene(ROOM + SHAPES + POINTS, integrator="{type: light, rr_depth: 2}", environment=SKY % "", film="{size: [12, 8], filter: {type: tent, radius: 1.3}}"),
     "light-lens": scene(ROOM + LAMP, integrator="{type: light, max_depth: 4, russian_roulette: none}", camera=f"{{type: thin_lens, fov: 43, aperture_radius: 0.2, focus_distance: 4.6, {LOOK}}}"),
     "bidirectional": integrator("{type: bidirectional, max_depth: 6}"),
+    "bidirectional-balance": scene(ROOM + SHAPES + POINTS, integrator="{type: bidirectional, max_depth: 5, heuristic: balance, light_choice: tree, russian_roulette: none}", environment=SKY % ""),
     "bidirectional-windows": scene(ROOM + WINDOWS, integrator="{type: bidirectional, rr_depth: 2, light_choice: uniform}", environment="{type: sunsky, sun_direction: [0.3, 0.8, 0.5], scale: 0.04}", camera=f"{{type: orthographic, height: 3.1, {LOOK}}}"),
     "fog": scene(ROOM + LAMP, integrator=volpath(), **FOG),
     "fog-bsdf": scene(ROOM + LAMP, integrator=volpath(light_sampling="bsdf", rr_depth=3), **FOG),
