@@ -20,7 +20,7 @@ from alight.lights.tree.build import build_tree
 from alight.lights.tree.split import Leaves
 from alight.lights.tree.traversal import LEAVES, OUTER_CDF
 from alight.scene.motion import Motion
-from alight.shapes.hit import FLIP
+from alight.shapes.hit import FLIP, PRIMITIVES
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.model import SHAPES
 from lanewise.vec3 import Vec3
@@ -283,8 +283,11 @@ def chosen_by_tree(
         if row.shape < 0:
             continue
         mine = leaves.row == number
-        ways = np.zeros((max(len(row.areas), 1), 2), np.uint32)
+        strands = int(shapes.tables.info.array[row.shape * SHAPE_INFO + 4]) >> PRIMITIVES
+        ways = np.zeros((max(len(row.areas), strands, 1), 2), np.uint32)
         ways[leaves.prim[mine]] = np.stack([tree.ways[mine], tree.numbers[mine]], axis=1)
+        # Strands are one leaf, whichever of their primitives is met.
+        ways[:strands] = ways[0]
         tables.append(ways.ravel().view(np.float32))
         starts[number] = at
         at += ways.size

@@ -5,6 +5,8 @@ from collections import namedtuple
 import numpy as np
 import pytest
 
+from alight.compiled.scene import compile_scene
+from alight.formats import loads
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
@@ -26,8 +28,10 @@ from alight.lights.tree.traversal import (
     choose_by_tree,
     mis_probability,
 )
+from alight.scene import flatten
 from alight.scene.flatten import PlacedLight
 from alight.scene.transform import rotate, translate
+from alight.shapes.hit import PRIMITIVES
 from alight.shapes.rectangle import Rectangle
 from alight.shapes.sphere import Sphere
 from lanewise.jit import instantiate, kernel
@@ -346,3 +350,28 @@ def test_densities_of_a_lone_lamp():
     by_area, _, _ = densities(power, (0, 0, 0), d)
     # The same density but for how often each triangle is chosen.
     assert np.all(pdf > 0.2 * by_area) and np.all(pdf < 5.0 * by_area)
+
+
+def test_strands_that_shine_are_one_leaf_whichever_part_of_them_is_met():
+    """Rays hit primitives of a strand, of which light sampling knows nothing."""
+    text = """
+alight: 1
+integrator: {type: path, light_choice: tree}
+camera: {type: pinhole}
+nodes:
+  thread:
+    shape: {type: curves, points: [[0, 0, 0], [1, 0, 0], [2, 1, 0], [3, 1, 1]], radii: 0.01}
+    light: {type: area, radiance: 5}
+  other: {shape: sphere, light: {type: area}, transform: {translate: [0, 4, 0]}}
+"""
+    scene = compile_scene(flatten(loads(text)), structure="list")
+    rows = int(scene.tables.shapes.info.array[4]) >> PRIMITIVES
+    assert rows > 3
+    prims = np.arange(rows, dtype=np.uint32)
+    p = vec(np.tile([[0.5], [1.0], [2.0]], rows))
+    ask = instantiate(mis_probability, scene.program, compiled=False)
+    found = ask(scene.tables, prims * 0, prims, p, prims >= 0)
+    other = ask(scene.tables, prims * 0 + 1, prims * 0, p, prims >= 0)
+    assert np.ptp(found) == 0.0
+    assert found[0] > 0.0
+    np.testing.assert_allclose(found + other, 1.0, rtol=1e-6)

@@ -189,6 +189,12 @@ LIGHT = (
         f"{TREE}::test_rays_find_the_density_that_light_sampling_says",
     ),
     Mutant(
+        "light tree that knows only the first primitive of a strand",
+        "compiled/light_tree.py",
+        (("        ways[:strands] = ways[0]\n", ""),),
+        f"{TREE}::test_strands_that_shine_are_one_leaf_whichever_part_of_them_is_met",
+    ),
+    Mutant(
         "light tree that takes a group's lights to be in its middle",
         "lights/tree/bounds.py",
         (("    towards += group.behind * inverse\n", ""),),
