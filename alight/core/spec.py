@@ -6,11 +6,12 @@ others must know of a model, its class says by members that the base class of it
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator, model_validator
 
 from alight.core.errors import Issue, SceneError, join_path
 from alight.core.field_errors import translate
@@ -57,6 +58,11 @@ class Spec(BaseModel):
         text = f"never changes; make another one: .replaced({name}=...)"
         way = 'for a whole scene: alight.changed(scene, {"path.to.key": value})'
         raise SceneError([Issue(join_path(self.type_name(), name), f"{text}, or {way}")])
+
+    @field_validator("file", mode="before", check_fields=False)
+    @classmethod
+    def _as_text(cls, file: object) -> object:
+        return os.fspath(file) if isinstance(file, os.PathLike) else file
 
     @classmethod
     def type_name(cls) -> str:

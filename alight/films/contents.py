@@ -50,12 +50,20 @@ def aov_planes(film: Film) -> dict[str, np.ndarray]:
 
 def warnings_of(film: Film) -> list[str]:
     """What is suspicious of the scene, and what went wrong while rendering; see `alight.info`."""
-    found = list(film.stats.get("warnings", ()))
+    found = list(film.suspicions)
     if film.invalid:
         found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
     if film.saturated:
         found.append(f"{film.saturated} sample values were cut to 2^36")
     return found
+
+
+def line_of(film: Film) -> str:
+    """Say size, samples and replicates, and that there are warnings."""
+    _, _, w, h = film.crop
+    count = len(film.warnings)
+    told = f", {count} warning{'s' * (count > 1)}" if count else ""
+    return f"<Film {w}x{h}, {film.spp:g} spp, {film.replicates} replicates{told}>"
 
 
 def provenance_of(film: Film) -> dict[str, Any]:

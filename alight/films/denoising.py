@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from alight.core.arguments import expect, known_words
 from alight.core.errors import OptionError
 from alight.core.extras import install_command
 from alight.films.ledger import Bias
@@ -40,6 +41,7 @@ def check_denoiser() -> None:
         raise OptionError(f"denoising needs the package pyoidn: {command}")
 
 
+@known_words()
 def denoise(film: Film) -> tuple[Picture, Bias]:
     """Denoise the picture of a film.
 
@@ -66,6 +68,9 @@ def denoise(film: Film) -> tuple[Picture, Bias]:
     >>> film = alight.render("cornell-box", spp=16, aovs=aovs)  # doctest: +SKIP
     >>> alight.outputs.write_image("cornell.png", alight.denoise(film)[0])  # doctest: +SKIP
     """
+    from alight.films.film import Film
+
+    expect(film, Film, "film", "a film; Film.load(path) reads one")
     check_denoiser()
     picture = film.picture(True)
     features = {

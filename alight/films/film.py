@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from alight.core.arguments import expect
 from alight.core.errors import FilmError
 from alight.films import (
     contents,
@@ -81,10 +82,12 @@ class Film:
         Whether no path was led to a light: what no sample has met says nothing of itself then.
     behind_glass : ndarray, shape (n, 7), or None
         Of `light_behind_glass`.
+    suspicions : tuple of str
+        What is suspicious of the scene: `warnings` says it, files and merged films keep it.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
     stats : dict
-        Times, rates and warnings, filled in by the renderer.
+        Times and rates, filled in by the renderer.
     lock : FilmLock
         Held while tiles are added, and while planes are read that belong together.
 
@@ -112,6 +115,8 @@ class Film:
         version: str = "",
     ) -> None:
         tiles.check_shape(width, height, crop, replicates, channels)
+        expect(aovs, (Mapping, type(None)), "aovs", 'channels by layers, as {"depth": ("Z",)}')
+        expect(surfaces, (Sequence, type(None)), "surfaces", "pairs of names")
         self.width, self.height = width, height
         self.crop = (0, 0, width, height) if crop is None else tuple(crop)
         self.replicates = replicates
@@ -130,6 +135,7 @@ class Film:
         self.cells = empty_cells(width, height)
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
+        self.suspicions: tuple[str, ...] = ()
         self.largest_sample: float | None = None
         self.shares_paths = self.by_chance = False
         self.behind_glass: np.ndarray | None = None
@@ -195,7 +201,7 @@ class Film:
             If two films hold the same samples, or differ in scene, options, seed, replicates,
             size, crop, channels or kernel fingerprint: the message names what differs.
         """
-        return merging.merge(films)
+        return merging.merge([expect(film, Film, "films", "films") for film in films])
 
     def empty_like(self) -> Film:
         """Make a film without samples and with the same identity."""
@@ -205,7 +211,8 @@ class Film:
             seed=self.seed, options=self.options, fingerprint=self.fingerprint,
             version=self.version, surfaces=self.coverage.names if self.coverage else None,
         )  # fmt: skip
-        film.recorded, film.largest_sample = self.recorded, self.largest_sample
+        film.recorded, film.suspicions = self.recorded, self.suspicions
+        film.largest_sample = self.largest_sample
         film.shares_paths, film.by_chance = self.shares_paths, self.by_chance
         film.behind_glass = self.behind_glass
         return film
@@ -280,7 +287,7 @@ class Film:
 
     def aov(self, name: str) -> np.ndarray:
         """Mean of an AOV, float32, shape (h, w, c); of mattes, a picture in their colours."""
-        if name in mattes.MATTES and self.coverage:
+        if expect(name, str, "name", "the name of a layer") in mattes.MATTES and self.coverage:
             return mattes.colors_of(self, name)
         if name not in self.aov_sums:
             raise FilmError(f'the film has no AOV "{name}"; it has {names_of(self.aov_sums)}')
@@ -384,17 +391,6 @@ class Film:
         """
         return storage.load_film(cls, path)
 
-    def _repr_png_(self) -> bytes:
-        """Show the picture in a notebook."""
-        return notebook.png_of(self)
-
-    def _repr_html_(self) -> str:
-        """Show the picture and its facts in a notebook."""
-        return notebook.html_of(self)
-
-    def __repr__(self) -> str:
-        """Say size, samples and replicates, and that there are warnings."""
-        _, _, w, h = self.crop
-        count = len(self.warnings)
-        told = f", {count} warning{'s' * (count > 1)}" if count else ""
-        return f"<Film {w}x{h}, {self.spp:g} spp, {self.replicates} replicates{told}>"
+    _repr_png_ = notebook.png_of
+    _repr_html_ = notebook.html_of
+    __repr__ = contents.line_of

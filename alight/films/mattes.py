@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from alight.core.arguments import expect
 from alight.core.errors import FilmError, unknown_name
 from alight.films import fixed_point
 from alight.films.coverage import SurfaceSums
@@ -31,6 +32,7 @@ _BELOW = "/"
 
 def mask_of(film: Film, name: str, layer: str) -> np.ndarray:
     """Coverage of what has this name or is below it: see `Film.mask`."""
+    expect(name, str, "name", "the name of an object or a material")
     rows, samples = _weights_of(film)
     names = _names_in(film, layer)
     wanted = np.array([_is_part(one, name, layer) for one in names], bool)

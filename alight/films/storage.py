@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from alight.core.arguments import PATH, expect
 from alight.core.errors import FilmError
 from alight.films.archive import Archive, read_archive, write_archive
 from alight.films.coverage import pack_sums, unpack_sums
@@ -30,7 +31,7 @@ _IDENTITY = (
 
 def is_film_file(path: str | os.PathLike[str]) -> bool:
     """Whether a file of this name keeps the film, not only its picture."""
-    return Path(path).suffix.lower() == SUFFIX
+    return Path(expect(path, PATH, "path", "a path")).suffix.lower() == SUFFIX
 
 
 def save_film(path: str | os.PathLike[str], film: Film) -> Path:
@@ -84,6 +85,7 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             "shares_paths": film.shares_paths,
             "by_chance": film.by_chance,
             "recorded": [bias.state() for bias in film.recorded],
+            "suspicions": list(film.suspicions),
             "ranges": [list(cell) for cell in distinct],
         })  # fmt: skip
         indices = [distinct[cell] for cell in film.cells.flat]
@@ -141,6 +143,7 @@ def _unpack(
     film.shares_paths = bool(described.get("shares_paths"))
     film.by_chance = bool(described.get("by_chance"))
     film.behind_glass = arrays.get(f"{number}.behind_glass")
+    film.suspicions = tuple(described.get("suspicions", ()))
     film.recorded = tuple(Bias.restored(state) for state in described.get("recorded", ()))
     return film
 

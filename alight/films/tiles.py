@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from alight.core.errors import FilmError
+from alight.core.arguments import WHOLE, expect
+from alight.core.errors import FilmError, OptionError, show_value
 from alight.films import fixed_point
 from alight.films.coverage import SurfaceSums
 from alight.films.sample_ranges import CELL_SIZE, cells_of, cells_with
@@ -61,6 +62,9 @@ def check_shape(
     width: int, height: int, crop: Any, replicates: int, channels: Sequence[str]
 ) -> None:
     """Refuse films of an impossible size or window."""
+    for name, number in (("width", width), ("height", height), ("replicates", replicates)):
+        expect(number, WHOLE, name, "a whole number")
+    expect(channels, (list, tuple), "channels", 'names of channels, as ("R", "G", "B")')
     if width < 1 or height < 1:
         raise FilmError(f"film size must be at least 1x1 pixels, got {width}x{height}")
     if replicates < 1:
@@ -68,6 +72,10 @@ def check_shape(
     if len(channels) < 3:
         raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
     if crop is not None:
+        whole = isinstance(crop, list | tuple) and all(isinstance(c, WHOLE) for c in crop)
+        if not whole or len(crop) != 4:
+            text = f"must be four whole numbers, x, y, width and height, got {show_value(crop)}"
+            raise OptionError(text, "crop")
         x, y, w, h = crop
         if min(x, y) < 0 or min(w, h) < 1 or x + w > width or y + h > height:
             raise FilmError(

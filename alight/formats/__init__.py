@@ -5,7 +5,8 @@ The usual names are exported here::
     from alight.formats import load, save
 """
 
-from alight.formats.loading import builtin_names, load, loads
+from alight.formats.loading import load, loads
 from alight.formats.native import dumps, save
+from alight.formats.scene_text import builtin_names
 
 __all__ = ["builtin_names", "dumps", "load", "loads", "save"]

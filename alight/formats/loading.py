@@ -9,23 +9,22 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from alight.core.arguments import PATH, expect, known_words
 from alight.core.errors import (
     Issue,
     OptionError,
     SceneError,
     is_at_or_below,
-    nearest,
-    quote,
     show_value,
 )
 from alight.formats import mitsuba, pbrt
 from alight.formats.geometry.bounds import Bounds
-from alight.formats.native import SUFFIXES
 from alight.formats.objects import name_of, parse_object
 from alight.formats.objects.pieces import SMOOTH, Look
 from alight.formats.readers import READERS, read_model
 from alight.formats.reading.reach import OutOfReachError, Reach, is_file
 from alight.formats.reading.shown import Shown
+from alight.formats.scene_text import builtin_names, read_text
 from alight.formats.scenes.made_up import fitted
 from alight.formats.scenes.missing import replace_missing
 from alight.formats.scenes.parsed import Parsed
@@ -36,16 +35,8 @@ from alight.scene.manager import SceneManager
 from alight.scene.source import Recipe, Source
 from alight.scene.validation import find_problems
 
-# Files of other programs.
-FOREIGN = (".xml", pbrt.SUFFIX, *READERS)
 
-
-def builtin_names() -> tuple[str, ...]:
-    """List the names of the built-in scenes."""
-    folder = resources.files("alight.scene.builtin")
-    return tuple(sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith(".yaml")))
-
-
+@known_words()
 def load(
     scene: Any,
     changes: tuple[str, ...] | list[str] = (),
@@ -130,6 +121,9 @@ def load(
     >>> load(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).nodes["mesh"].bsdf
     'mesh'
     """
+    expect(definitions, (Mapping, type(None)), "definitions", "a mapping of names to values")
+    expect(root, (*PATH, type(None)), "root", "the path of a folder")
+    _check_assignments(changes)
     look = Look(up, smooth, color_map, color_range, point_radius)
     if not isinstance(scene, str | os.PathLike):
         reading = {
@@ -158,7 +152,7 @@ def load(
             framed = parsed.framed
             result = _built(parsed.data, parsed.issues, _source(parsed, name, reach), not changes)
         else:
-            result, framed = _loaded(_read(path), name, reach, not changes, given, lenient)
+            result, framed = _loaded(read_text(path), name, reach, not changes, given, lenient)
     if changes:
         result = fitted(result, changed(result, changes), framed)
     path = name if is_builtin else str(Path(name).absolute())
@@ -297,6 +291,7 @@ def _refuse_definitions(definitions: Mapping[str, str], name: str) -> None:
         raise SceneError([issue])
 
 
+@known_words()
 def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[str]) -> Scene:
     """Change values of a scene, and check it again.
 
@@ -325,19 +320,24 @@ def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[st
     >>> changed(scene, {"film.size": (64, 64), "integrator.max_depth": 3}).film.size
     (64, 64)
     """
-    manager = SceneManager(scene)
-    if not isinstance(changes, Mapping | Sequence):
-        raise OptionError(f"must map key paths to values, got {show_value(changes)}", "changes")
+    manager = SceneManager(expect(scene, Scene, "scene", "a scene; alight.load(path) reads one"))
     if isinstance(changes, Mapping):
         for path, value in changes.items():
             manager.set_at(path, value)
         changes = []
+    _check_assignments(changes)
     for assignment in changes:
         manager.set_value(_with_camera_path(manager.scene, assignment))
     issues = find_problems(manager.scene)
     if issues:
         raise SceneError([manager.scene.source.located(issue) for issue in issues])
     return manager.scene
+
+
+def _check_assignments(changes: object) -> None:
+    if isinstance(changes, str | bytes) or not isinstance(changes, Sequence):
+        text = "must map key paths to values, or list path.to.key=value assignments"
+        raise OptionError(f"{text}, got {show_value(changes)}", "changes")
 
 
 def _with_camera_path(scene: Scene, assignment: str) -> str:
@@ -355,46 +355,3 @@ def _with_camera_path(scene: Scene, assignment: str) -> str:
             raise SceneError([Issue("camera", f"{text}  (cameras: {held})")])
         named = [paths[int(wanted)]]
     return f'camera="{named[0]}"' if len(named) == 1 and wanted not in paths else assignment
-
-
-def _read(path: Path) -> str:
-    name = str(path)
-    if not is_file(path):
-        raise SceneError([Issue("", _missing(path), name)])
-    if path.suffix.lower() not in SUFFIXES + FOREIGN:
-        kinds = ", ".join(SUFFIXES + FOREIGN)
-        raise SceneError([Issue("", f"must be a scene file ({kinds}), got {quote(name)}", name)])
-    try:
-        size = path.stat().st_size
-        if size > plain_yaml.MOST_BYTES:
-            limit = plain_yaml.MOST_BYTES // 2**20
-            text = (
-                f"must be at most {limit} MB, got {size / 2**20:.0f} MB: put meshes into PLY files"
-            )
-            raise SceneError([Issue("", text, name)])
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        text = f"must be UTF-8 text, got byte 0x{error.object[error.start]:02x} at {error.start}"
-        raise SceneError([Issue("", text, name)]) from None
-    except OSError as error:
-        raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
-
-
-def _missing(path: Path) -> str:
-    built_in = builtin_names()
-    # Of names that no file can have the module says False, the path raises an error.
-    if os.path.isdir(path):  # noqa: PTH112
-        return "is a folder, not a scene file"
-    candidates = {str(path.with_name(f.name)): f for f in _files_beside(path)}
-    near = nearest(str(path), [*built_in, *candidates])
-    hint = f'; did you mean "{near}"?' if near else ""
-    return f"no such scene file{hint}  (built in: {', '.join(built_in)})"
-
-
-def _files_beside(path: Path) -> list[Path]:
-    try:
-        return [
-            entry for entry in path.parent.iterdir() if entry.suffix.lower() in SUFFIXES + FOREIGN
-        ]
-    except OSError:
-        return []

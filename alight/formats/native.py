@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.arguments import PATH, expect, known_words
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.gltf.write import write
 from alight.formats.scenes.made_up import without_floor
@@ -42,6 +43,7 @@ def dumps(scene: Scene) -> str:
     return plain_yaml.write(dump_scene(scene))
 
 
+@known_words()
 def save(scene: Scene, path: str | os.PathLike[str]) -> tuple[str, ...]:
     """Write a scene to a file in the native format, or as far as glTF can hold it.
 
@@ -66,7 +68,8 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> tuple[str, ...]:
     OSError
         If a file cannot be written.
     """
-    target = Path(path)
+    expect(scene, Scene, "scene", "a scene; film.save(path) writes a film")
+    target = Path(expect(path, PATH, "path", "a path"))
     if target.suffix.lower() not in WRITTEN:
         kinds = ", ".join(WRITTEN)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])

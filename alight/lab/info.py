@@ -95,7 +95,8 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
     if is_film_or_picture(scene):
         for name in options.given():
             raise OptionError(f"{scene} is no scene", name)
-        return SceneInfo(picture_facts(str(scene)), [], [], [], [], [])
+        found, warnings = picture_facts(str(scene))
+        return SceneInfo(found, [], [], [], warnings, [])
     description = scene_of(scene, options)
     flat = flatten(description)
     found, tree = facts(description, flat), []

@@ -28,8 +28,8 @@ def is_film_or_picture(name: object) -> bool:
     return is_film_file(name) or Path(name).suffix.lower() in suffixes
 
 
-def picture_facts(path: str | Path) -> Facts:
-    """Say what a film or a picture holds.
+def picture_facts(path: str | Path) -> tuple[Facts, list[str]]:
+    """Say what a film or a picture holds, and what is suspicious of it.
 
     Raises
     ------
@@ -37,7 +37,10 @@ def picture_facts(path: str | Path) -> Facts:
         If it is missing, broken or of an unknown format.
     """
     path = Path(path)
-    return _film_facts(Film.load(path)) if is_film_file(path) else _image_facts(path)
+    if not is_film_file(path):
+        return _image_facts(path), []
+    film = Film.load(path)
+    return _film_facts(film), film.warnings
 
 
 def _film_facts(film: Film) -> Facts:

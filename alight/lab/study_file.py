@@ -19,6 +19,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from alight.core.arguments import PATH, expect
 from alight.core.errors import Issue, nearest, show_value, unknown_name
 from alight.lab.study import ArmSpec, ReferenceSpec, SceneSpec, Study, StudyError
 from alight.scene import plain_yaml
@@ -78,7 +79,7 @@ def load_study(name: str | Path, root: Path | None = None) -> Study:
         With every problem of the file.
     """
     ready = ready_names()
-    path = Path(name)
+    path = Path(expect(name, PATH, "name", "a study, its file or the name of a ready one"))
     if str(name) in ready:
         folder = resources.files("alight.lab.studies")
         file = next(f for f in folder.iterdir() if re.sub(r"^\d+-", "", f.name) == f"{name}.yaml")

@@ -22,10 +22,12 @@ cells, there is no telling how much more may be missing: the bar is marked *unsu
 from __future__ import annotations
 
 import math
+import numbers
 from typing import NamedTuple
 
 import numpy as np
 
+from alight.core.arguments import expect
 from alight.core.errors import OptionError
 from alight.metrics.statistics import student_t_quantile
 from alight.metrics.surroundings import by_cells, neighbours, pixels_of_cells, spread_out
@@ -93,8 +95,9 @@ def pixel_bars(means: np.ndarray, counts: np.ndarray, confidence: float = 0.95) 
 
 def bars_of(seen: Survey, confidence: float = 0.95) -> PixelBars:
     """Give intervals as `pixel_bars`, from what has been seen of a picture."""
+    expect(confidence, numbers.Real, "confidence", "a number in (0, 1), as 0.95")
     if not 0.0 < confidence < 1.0:
-        raise OptionError(f"confidence: must lie in (0 %, 100 %), got {confidence:.6g}")
+        raise OptionError(f"must lie in (0, 1), as 0.95, got {confidence:.6g}", "confidence")
     own = np.float32(max(seen.replicates - 1, 1))
     t = np.float32(student_t_quantile(0.5 + 0.5 * confidence, float(own) + _POOLED))
     scale, pooled, rare, unsure = _pooled(seen, t)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from alight.core.errors import OptionError
 from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, File, Files, Text
 from alight.options.quantities import Seconds, Whole
@@ -34,7 +35,7 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
     )
     max_spp: int | None = option(
         Whole(1, MOST_SAMPLES),
-        "Give up at this many samples per pixel.",
+        "Give up at this many samples per pixel; alone, a new limit of the promise made first.",
         panel=PROMISE,
         default=None,
     )
@@ -96,4 +97,8 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
     def __post_init__(self) -> None:
         """Refuse contradictions, too."""
         super().__post_init__()
-        check_end(self.error, None if self.promise else self.spp, self.max_spp)
+        # Without an error of its own a limit is that of the checkpoint's.
+        if self.max_spp is not None and self.spp is not None:
+            text = "{max_spp} limits {error}, and {spp} is without one: give one of the two"
+            raise OptionError(text, names=("max_spp", "error", "spp"))
+        check_end(self.error, None if self.promise else self.spp, None)

@@ -7,6 +7,7 @@ Tone curves are imported at first use: a family of models takes a tenth of a sec
 from __future__ import annotations
 
 import math
+import numbers
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ from alight.outputs.white_balance import adaptation, grey_world, parse_white
 
 #: Linear value that automatic exposure gives to the middle of the picture: a grey card.
 MIDDLE_GREY = 0.18
+
+#: Pixels per inch of the finest prints.
+MOST_DPI = 10_000
 
 
 @dataclass(frozen=True)
@@ -55,12 +59,15 @@ class Display:
         """Check the values."""
         from alight.tone_curves.model import TONE_CURVES
 
-        if self.tone_map not in TONE_CURVES:
+        if not isinstance(self.tone_map, str) or self.tone_map not in TONE_CURVES:
             raise OptionError(unknown_name("tone map", str(self.tone_map), TONE_CURVES))
         if self.exposure != "auto":
             object.__setattr__(self, "exposure", _stops(self.exposure))
         if self.bits not in (8, 16):
             raise OptionError(f"bits per channel must be 8 or 16, got {self.bits}")
+        if self.dpi is not None and not (_is_number(self.dpi) and 1.0 <= self.dpi <= MOST_DPI):
+            text = f"must be a number in [1, {MOST_DPI}], got {show_value(self.dpi)}"
+            raise OptionError(text, "dpi")
         parse_white(self.white_balance)
 
     def developed(self, linear: np.ndarray) -> Development:
@@ -133,6 +140,10 @@ def _bounded(linear: np.ndarray) -> np.ndarray:
     return np.clip(
         np.nan_to_num(linear.astype(np.float64), nan=0.0, posinf=1e30, neginf=0.0), 0.0, 1e30
     )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def _stops(value: object) -> float:

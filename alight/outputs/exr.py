@@ -13,7 +13,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -123,15 +123,33 @@ def read_header(path: str | Path) -> dict[str, Any]:
         raise ValueError(f"broken OpenEXR file ({error})") from error
 
 
-def read_size(path: str | Path) -> tuple[int, int, int]:
-    """Width, height and number of channels of the first part, read without the pixels."""
+class Window(NamedTuple):
+    """A window of pixels: its upper left corner (x, y) and its size (width, height)."""
+
+    low: tuple[int, int]
+    size: tuple[int, int]
+
+
+def read_windows(path: str | Path) -> tuple[Window, Window, int]:
+    """Data window, display window and number of channels of the first part, without the pixels."""
     header = read_header(path)
     try:
-        low, high = header["dataWindow"]
-    except (ValueError, KeyError) as error:
+        data, display = (_window(header[name]) for name in ("dataWindow", "displayWindow"))
+    except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"broken OpenEXR file ({error})") from error
-    width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
-    return width, height, len(header["channels"])
+    return data, display, len(header["channels"])
+
+
+def _window(corners: Any) -> Window:
+    low, high = corners
+    left, top, right, bottom = (int(c[i]) for c in (low, high) for i in (0, 1))
+    return Window((left, top), (right - left + 1, bottom - top + 1))
+
+
+def read_size(path: str | Path) -> tuple[int, int, int]:
+    """Width, height and number of channels of the first part, read without the pixels."""
+    data, _, channels = read_windows(path)
+    return *data.size, channels
 
 
 @contextmanager

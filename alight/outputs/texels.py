@@ -1,10 +1,12 @@
 """Reading pictures as they are stored: whole numbers stay encoded, one grey channel stays one.
 
-The first bytes of a file determine its format, not its name.
+Pictures stand upright, as their EXIF data ask for (CIPA DC-008, tag 274), and OpenEXR files fill
+their display windows. The first bytes of a file determine its format, not its name.
 """
 
 from __future__ import annotations
 
+import struct
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,8 +36,23 @@ STRIP = 64
 #: Called with width and height before memory is asked for; raises ValueError to refuse.
 SizeCheck = Callable[[int, int], None]
 
+#: Called with what was changed in a picture.
+Tell = Callable[[str], None]
 
-def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
+#: What makes pictures upright, by their EXIF orientation: whether rows become columns, and whether
+#: then the rows, and the columns, are reversed.
+ORIENTATION = 0x0112
+_UPRIGHT = {
+    2: (False, False, True), 3: (False, True, True), 4: (False, True, False),
+    5: (True, False, False), 6: (True, False, True), 7: (True, True, True), 8: (True, True, False),
+}  # fmt: skip
+
+
+def _nobody(text: str) -> None:
+    """Nobody is told."""
+
+
+def read_texels(path: Path, check_size: SizeCheck, tell: Tell = _nobody) -> np.ndarray:
     """Read a picture.
 
     Parameters
@@ -44,6 +61,8 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
         PNG, JPEG, WebP, BMP, TGA, TIFF (uint8, uint16), OpenEXR, Radiance, PFM or NPY (float) file.
     check_size : callable
         Refuses sizes.
+    tell : callable, optional
+        Told what was changed: a picture turned upright, pixels put into a display window.
 
     Returns
     -------
@@ -66,7 +85,7 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
     if not readers:
         raise ValueError(f"is not a {KINDS} picture")
     try:
-        return readers[0](path, check_size)
+        return readers[0](path, check_size, tell)
     except (OSError, ValueError):
         raise
     except MemoryError:
@@ -76,7 +95,9 @@ def read_texels(path: Path, check_size: SizeCheck) -> np.ndarray:
         raise ValueError(f"is broken ({error})") from None
 
 
-def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray:
+def decode_texels(
+    data: bytes | memoryview, check_size: SizeCheck, tell: Tell = _nobody
+) -> np.ndarray:
     """Decode a PNG, JPEG or WebP picture in memory, as `read_texels` does those in files.
 
     Raises
@@ -87,7 +108,7 @@ def decode_texels(data: bytes | memoryview, check_size: SizeCheck) -> np.ndarray
     if not bytes(data[:4]).startswith((b"\x89PNG", b"\xff\xd8\xff", b"RIFF")):
         raise ValueError("is not a PNG, JPEG or WebP picture")
     try:
-        return _read_with_pillow(data, check_size, ("PNG", "JPEG", "WEBP"))
+        return _read_with_pillow(data, check_size, tell, ("PNG", "JPEG", "WEBP"))
     except (OSError, ValueError):
         raise
     except MemoryError:
@@ -138,13 +159,14 @@ def reusing_memory() -> Iterator[None]:
         _blocks.close()
 
 
-def _read_targa(path: Path, check_size: SizeCheck) -> np.ndarray:
-    return _read_with_pillow(path, check_size, ("TGA",))
+def _read_targa(path: Path, check_size: SizeCheck, tell: Tell) -> np.ndarray:
+    return _read_with_pillow(path, check_size, tell, ("TGA",))
 
 
 def _read_with_pillow(
     source: Path | bytes | memoryview,
     check_size: SizeCheck,
+    tell: Tell,
     formats: tuple[str, ...] = ("PNG", "JPEG", "BMP", "TIFF", "WEBP"),
 ) -> np.ndarray:
     import io
@@ -164,9 +186,28 @@ def _read_with_pillow(
                 check_size(*image.size)
                 if image.mode == "F":
                     raise ValueError("holds floats: EXR and PFM files may")
-                return _pixels_of(image, lambda: opened(source))
+                pixels = _pixels_of(image, lambda: opened(source))
+                return _upright(pixels, _orientation_of(image), tell)
         except Image.DecompressionBombError:
             raise ValueError("has too many pixels") from None
+
+
+def _orientation_of(image: Any) -> int:
+    """How a picture lies that has been decoded; 1, upright, where it does not say, or nonsense."""
+    try:
+        return int(image.getexif().get(ORIENTATION, 1))
+    except (OSError, SyntaxError, ValueError, TypeError, KeyError, struct.error):
+        # What cameras and programs note beside a picture does not spoil it.
+        return 1
+
+
+def _upright(pixels: np.ndarray, orientation: int, tell: Tell) -> np.ndarray:
+    if orientation not in _UPRIGHT:
+        return pixels
+    turns, rows, columns = _UPRIGHT[orientation]
+    tell(f"turned upright, as its EXIF orientation says ({orientation})")
+    pixels = pixels.swapaxes(0, 1) if turns else pixels
+    return np.ascontiguousarray(pixels[:: -1 if rows else 1, :: -1 if columns else 1])
 
 
 def _pixels_of(image: Any, again: Callable[[], Any]) -> np.ndarray:
@@ -220,9 +261,11 @@ def _grey_of_sixteen_bits(again: Callable[[], Any]) -> np.ndarray:
         return np.ascontiguousarray(image).view(">u2").astype(np.uint16)
 
 
-def _read_exr(path: Path, check_size: SizeCheck) -> np.ndarray:
-    width, height, count = exr.read_size(path)
+def _read_exr(path: Path, check_size: SizeCheck, tell: Tell) -> np.ndarray:
+    data, display, count = exr.read_windows(path)
+    width, height = data.size
     check_size(width, height)
+    check_size(*display.size)
     if width * height * count > MOST_NUMBERS:
         raise ValueError(f"has too many channels for its size: {count} of {width} x {height}")
     channels, _ = exr.read_layers(path)
@@ -239,20 +282,41 @@ def _read_exr(path: Path, check_size: SizeCheck) -> np.ndarray:
             raise ValueError("has channels of different sizes")
         # One after the other: the largest pictures fill half of what a process may take.
         texels[..., i] = channels.pop(name)
-    return texels
+    return texels if data == display else _in_display_window(texels, data, display, tell)
 
 
-def _read_hdr(path: Path, check_size: SizeCheck) -> np.ndarray:
+def _in_display_window(
+    texels: np.ndarray, data: exr.Window, display: exr.Window, tell: Tell
+) -> np.ndarray:
+    """Put the pixels of a file where its display window has them; all around is black."""
+    (x, y), (width, height) = data.low, data.size
+    left, top = x - display.low[0], y - display.low[1]
+    right, bottom = left + width, top + height
+    whole = np.zeros((*display.size[::-1], *texels.shape[2:]), texels.dtype)
+    shown = whole[max(top, 0) : max(bottom, 0), max(left, 0) : max(right, 0)]
+    if not shown.size:
+        raise ValueError("has no pixel in its display window")
+    first_row, first_column = max(-top, 0), max(-left, 0)
+    rows, columns = shown.shape[:2]
+    shown[:] = texels[first_row : first_row + rows, first_column : first_column + columns]
+    tell(
+        f"its {width}x{height} pixels were placed in its display window of "
+        f"{display.size[0]}x{display.size[1]}, at {left},{top}"
+    )
+    return whole
+
+
+def _read_hdr(path: Path, check_size: SizeCheck, tell: Tell) -> np.ndarray:
     check_size(*hdr.read_size(path))
     return hdr.read(path)
 
 
-def _read_pfm(path: Path, check_size: SizeCheck) -> np.ndarray:
+def _read_pfm(path: Path, check_size: SizeCheck, tell: Tell) -> np.ndarray:
     check_size(*pfm.read_size(path))
     return pfm.read(path)
 
 
-def _read_npy(path: Path, check_size: SizeCheck) -> np.ndarray:
+def _read_npy(path: Path, check_size: SizeCheck, tell: Tell) -> np.ndarray:
     array = npy.load_array(path, mapped=True)
     if array.ndim not in (2, 3):
         raise ValueError(f"must have the shape (h, w) or (h, w, 3), got {array.shape}")
@@ -260,7 +324,7 @@ def _read_npy(path: Path, check_size: SizeCheck) -> np.ndarray:
     return np.array(array)
 
 
-_READERS: tuple[tuple[bytes, Callable[[Path, SizeCheck], np.ndarray]], ...] = (
+_READERS: tuple[tuple[bytes, Callable[[Path, SizeCheck, Tell], np.ndarray]], ...] = (
     (b"\x89PNG", _read_with_pillow),
     (b"\xff\xd8\xff", _read_with_pillow),
     (b"\x76\x2f\x31\x01", _read_exr),

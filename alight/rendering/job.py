@@ -169,7 +169,7 @@ class Job:
             version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator) + unfound_light(scene)
-        film.largest_sample = self.largest_sample
+        film.suspicions, film.largest_sample = tuple(scene.warnings), self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
         # Only a promise asks its film.
         film.behind_glass = self.behind_glass if self.schedule.promises else None
@@ -219,6 +219,7 @@ class Job:
         """Go on from a state: with its goal, or with None, to ask this job's own schedule."""
         self.rounds, self.goal = list(state.rounds), goal
         for film in self.rounds:
+            film.suspicions = tuple(self.scene.warnings)
             # It may have been begun without a promise, for which nobody looked.
             film.behind_glass = self.behind_glass if self.schedule.promises else film.behind_glass
         self.rays, self.samples = state.rays, state.samples
@@ -243,10 +244,7 @@ class Job:
     @property
     def film(self) -> Film:
         """The picture so far."""
-        film = self.schedule.picture(self.rounds)
-        # Whoever watches the picture grow is to know them, not only who sees it finished.
-        film.stats.setdefault("warnings", list(self.scene.warnings))
-        return film
+        return self.schedule.picture(self.rounds)
 
     def progress(self, note: str = "") -> Progress:
         """How far the job is."""
@@ -359,7 +357,6 @@ class Job:
             "program": self.scene.program._asdict(),
             "accelerator": self.scene.stats,
             **({"guide": self.training.state()} if self.training else {}),
-            "warnings": list(self.scene.warnings),
             "biases": [bias.state() for bias in self.film.biases],
             "verdict": {"word": verdict.word, "line": verdict.line, **verdict.figures},
         }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Sequence
 
+from alight.core.arguments import known_words
 from alight.core.errors import FilmError, show_value
 from alight.films import Film, merging
 from alight.rendering.checkpoints.checkpoint import Stored, read_stored
@@ -16,6 +17,7 @@ from alight.scene.content import differences
 Source = Film | str | os.PathLike[str]
 
 
+@known_words("films and paths are all it takes; film.save(path) writes what it gives")
 def merge(*sources: Source | Iterable[Source]) -> Film:
     """Make one film of the samples of all.
 

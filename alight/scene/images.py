@@ -126,7 +126,8 @@ def read_image(
         if is_builtin(name):
             texels = builtin_texels(name)
         else:
-            texels = read_texels(path, _check_size)
+            tell = note or (lambda text: None)
+            texels = read_texels(path, _check_size, lambda text: tell(f"{quote(name)}: {text}"))
             texels = texels if data else _with_our_primaries(texels, path, name, note)
         texels = _without_negative_light(texels, name, note)
         # Nobody else has this array: marked so, it is not copied.

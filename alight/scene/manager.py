@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator
 from typing import Any, Self
 
+from alight.core.arguments import expect
 from alight.core.errors import Issue, SceneError, join_path, quote, show_value, unknown_name
 from alight.core.registry import FAMILIES_OF_SCENES, specs
 from alight.core.spec import Bsdf, Texture
@@ -17,6 +18,7 @@ from alight.scene.build import Builder
 from alight.scene.description import Node, Scene
 from alight.scene.dump import dump_scene
 
+_PATH = 'the path of a node, as "table/leg"'
 _KEY = re.compile(r"([^.\[\]]+)|\[(\d{1,9})\]")
 
 
@@ -39,6 +41,7 @@ class SceneManager:
     """
 
     def __init__(self, scene: Scene | None = None) -> None:
+        expect(scene, (Scene, type(None)), "scene", "a scene; alight.load(path) reads one")
         self.scene = scene if scene is not None else Scene()
 
     def __repr__(self) -> str:
@@ -63,6 +66,7 @@ class SceneManager:
         SceneError
             If there is no such node; names the nearest one.
         """
+        expect(path, str, "path", _PATH)
         children, node = self.scene.nodes, None
         for name in path.split("/"):
             if name not in children:
@@ -80,7 +84,7 @@ class SceneManager:
         SceneError
             If the parent does not exist or the name is taken.
         """
-        parent, _, name = path.rpartition("/")
+        parent, _, name = expect(path, str, "path", _PATH).rpartition("/")
         siblings = self.get(parent).children if parent else self.scene.nodes
         if name in siblings:
             raise _error(path, f"a node named {quote(name)} exists already")
@@ -110,7 +114,8 @@ class SceneManager:
             If it does not exist, or would become its own descendant.
         """
         node = self.get(path)
-        if to == path or to.startswith(path + "/"):
+        expect(path, str, "path", _PATH)
+        if expect(to, str, "to", _PATH) == path or to.startswith(path + "/"):
             raise _error(path, f"cannot move below itself, to {quote(to)}")
         before = self.scene
         try:
@@ -121,14 +126,17 @@ class SceneManager:
 
     def add_bsdf(self, name: str, bsdf: Bsdf) -> Self:
         """Add or replace a named material."""
+        expect(name, str, "name", "a name")
         return self._change(bsdfs={**self.scene.bsdfs, name: bsdf})
 
     def add_texture(self, name: str, texture: Texture) -> Self:
         """Add or replace a named texture."""
+        expect(name, str, "name", "a name")
         return self._change(textures={**self.scene.textures, name: texture})
 
     def add_prototype(self, name: str, node: Node) -> Self:
         """Add or replace a node tree for instances."""
+        expect(name, str, "name", "a name")
         return self._change(prototypes={**self.scene.prototypes, name: node})
 
     def set(self, **settings: Any) -> Self:

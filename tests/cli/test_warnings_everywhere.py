@@ -91,6 +91,25 @@ def resumed():
     return said("resume", "a.checkpoint", "--spp", 8, "-o", "a.png")
 
 
+def kept():
+    """A film in a file."""
+    said("render", "odd.xml", "--spp", 4, "-o", "a.alight")
+    return "a.alight"
+
+
+def merged():
+    for first in (0, 4):
+        said("render", "odd.xml", "--spp", 4, "--first-sample", first, "-o", f"{first}.alight")
+    return said("merge", "0.alight", "4.alight", "-o", "a.png")
+
+
+def kept_on_the_page():
+    session = session_of(kept(), ViewOptions())
+    text = "\n".join(session.state(None, None)["warnings"])
+    session.close()
+    return text
+
+
 def counted():
     said("render", "odd.xml", "--spp", 4, "--stats", "a.json", "-o", "a.png")
     return "\n".join(json.loads(Path("a.json").read_text())["warnings"])
@@ -114,6 +133,10 @@ WAYS = {
     "info": lambda: said("info", "odd.xml"),
     "trace": lambda: said("trace", "odd.xml", "--pixel", "4,4"),
     "film": lambda: "\n".join(rendered().warnings),
+    "kept film": lambda: "\n".join(alight.Film.load(kept()).warnings),
+    "info of a kept film": lambda: said("info", kept()),
+    "merge": merged,
+    "page of a kept film": kept_on_the_page,
     "film in a notebook": lambda: rendered()._repr_html_(),
     "live film in a notebook": in_a_notebook,
     "page": on_the_page,

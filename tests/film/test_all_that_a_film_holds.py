@@ -37,6 +37,7 @@ def full():
     )  # fmt: skip
     film.add_tile(partial_of(*WINDOW)[0])
     film.recorded, film.largest_sample = (Bias("clamp", "said", 0.25, 0.125),), 3.5
+    film.suspicions = ("the lamp is black",)
     film.shares_paths = film.by_chance = True
     film.behind_glass = np.arange(12.0).reshape(2, 6)
     return film

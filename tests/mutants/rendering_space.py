@@ -47,12 +47,7 @@ RENDERING_SPACE = (
     Mutant(
         "suspicions of the compiler told to nobody",
         "rendering/job.py",
-        (
-            (
-                '"warnings": list(self.scene.warnings),',
-                '"warnings": [text * 0 for text in self.scene.warnings],',
-            ),
-        ),
+        (("tuple(scene.warnings), self", "tuple(text * 0 for text in scene.warnings), self"),),
         f"{CONTACTS}::test_renders_say_so",
     ),
     Mutant(

@@ -33,7 +33,7 @@ SHOWN_AGAIN = (
     Mutant(
         "warnings of a film that come after its samples",
         "rendering/job.py",
-        (('film.stats.setdefault("warnings", list(self.scene.warnings))', "pass"),),
+        (("tuple(scene.warnings), self.largest_sample", "(), self.largest_sample"),),
         f"{WARNINGS}::test_it_is_told_before_threads_or_a_cluster_begin",
     ),
     Mutant(

@@ -5,7 +5,7 @@ A value is a number, a colour (a list of three numbers) or the description of a 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,13 +31,15 @@ LEVEL = [0.5, 0.5, 1.0]
 FLAT_NORMAL = [0.5, 0.5, 1.0]
 
 
-def packed_picture(data: bytes | memoryview) -> Image:
+def packed_picture(data: bytes | memoryview, tell: Callable[[str], None]) -> Image:
     """Decode a picture that lies inside of another file.
 
     Parameters
     ----------
     data : bytes or memoryview
         PNG, JPEG or another format that `decode_texels` reads.
+    tell : callable
+        Told what was changed.
 
     Raises
     ------
@@ -46,7 +48,7 @@ def packed_picture(data: bytes | memoryview) -> Image:
     OSError, ValueError
         If it is broken.
     """
-    texels = decode_texels(data, _check_size)
+    texels = decode_texels(data, _check_size, tell)
     texels.setflags(write=False)
     return as_image(texels)
 

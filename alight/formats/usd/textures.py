@@ -7,6 +7,7 @@ UsdTransform2d. Texture coordinates have (0, 0) at the lower left corner of the 
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -282,7 +283,7 @@ def picture_of(stage: Stage, asset: Any) -> str | Image:
     if "[" not in resolved:
         return stage.reach.name_of(path)
     try:
-        return _packed(resolved)
+        return _packed(resolved, stage.report.approximate)
     except PydanticCustomError as error:
         text = error.message()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
@@ -322,13 +323,13 @@ def _member(stage: Stage, authored: str) -> str:
     return ""
 
 
-def _packed(resolved: str) -> Image:
+def _packed(resolved: str, tell: Callable[[str], None]) -> Image:
     package, _, member = resolved.partition("[")
     name = PurePosixPath(member.rstrip("]")).as_posix()
     with zipfile.ZipFile(package) as archive:
         if archive.getinfo(name).file_size > _MOST_PACKED:
             raise ValueError(f"{name} is larger than {_MOST_PACKED >> 20} MB")
-        return packed_picture(archive.read(name))
+        return packed_picture(archive.read(name), lambda text: tell(f"{quote(name)}: {text}"))
 
 
 def _plain(value: Any, is_color: bool) -> Any:

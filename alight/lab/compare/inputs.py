@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from alight.core.arguments import PATH, expect
 from alight.core.errors import OutputError, unknown_name
 from alight.core.srgb import decode_srgb
 from alight.films import Film
@@ -91,7 +92,8 @@ def as_input(source: Any, name: str, layer: str | None) -> Input:
             return _of_channels(name, {**own, **picture.layers}, picture.attributes, layer)
     except ValueError as error:
         raise OutputError(f"cannot compare {name}: {_sentence(error)}") from error
-    return read_input(source, layer)
+    wanted = "a picture: its path, a film or an array of shape (h, w, 3)"
+    return read_input(expect(source, PATH, name.lower(), wanted), layer)
 
 
 def read_input(path: str | Path, layer: str | None = None) -> Input:
@@ -143,6 +145,8 @@ def _check_size(width: int, height: int) -> None:
 def _as_input(name: str, texels: np.ndarray) -> Input:
     """Make linear colour of what is stored."""
     remarks = []
+    if texels.ndim not in (2, 3):
+        raise ValueError(f"has the shape {texels.shape}; a picture has (h, w) or (h, w, 3)")
     if texels.ndim == 2:
         texels = texels[..., None]
     channels = texels.shape[2]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from alight.core.errors import OptionError
 from alight.formats import builtin_names
-from alight.formats.loading import FOREIGN
 from alight.formats.native import SUFFIXES
+from alight.formats.scene_text import FOREIGN
 
 
 def find_scenes(wanted: Sequence[str]) -> tuple[list[str], list[Path]]:

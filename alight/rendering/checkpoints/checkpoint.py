@@ -168,7 +168,7 @@ def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     if "job" not in content:
         raise FilmError(
             f"{os.fspath(path)} is a film, not a checkpoint: it does not record how to continue; "
-            "alight merge adds other samples to it"
+            "alight merge, in Python alight.merge, adds other samples to it"
         )
     job, recipe = content["job"], content["recipe"]
     goal = None
@@ -221,7 +221,8 @@ def check_nothing_is_lost(path: str | os.PathLike[str]) -> None:
     spp = state.rounds[0].spp
     raise OutputError(
         f"cannot write {name}: it holds {spp:.4g} samples per pixel of a render that was stopped; "
-        f"to go on: alight resume {shlex.quote(name)}; to begin anew, remove it first"
+        f"to go on: alight resume {shlex.quote(name)}, in Python alight.resume({name!r}); "
+        "to begin anew, remove it first"
     )
 
 

@@ -23,8 +23,10 @@ from alight.rendering.executors.blocks import Executor
 from alight.rendering.executors.cluster_executor import executor_of
 from alight.rendering.job import TABLES, Job
 from alight.rendering.main_loop import Clock, make_job, run
+from alight.rendering.schedules.schedule import Schedule
 from alight.rendering.schedules.selection import promise_of, restored_schedule
-from alight.rendering.schedules.steering import towards
+from alight.rendering.schedules.steering import Steered, towards
+from alight.rendering.schedules.stopping import Promise
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
@@ -145,7 +147,9 @@ def _go_on_with(
     state, film = saved.state, saved.state.rounds[0]
     own = restored_schedule(state.schedule, state.schedule_state)
     promise, schedule = options.promise or promise_of(options), options.schedule
-    spp = options.max_spp if options.error is not None else options.spp
+    spp = options.spp
+    if options.max_spp is not None:
+        promise, spp = promise or _promised(own), options.max_spp
     goes_on = spp is None and promise is None and schedule is None
     if schedule is None:
         if promise is not None:
@@ -171,6 +175,20 @@ def _go_on_with(
         job, clock, executor, options.spp_per_pass, writer=writer, progress=options.progress,
         cancel=options.cancel,
     )  # fmt: skip
+
+
+def _promised(schedule: Schedule) -> Promise:
+    """What a render has promised whose limit is raised.
+
+    Raises
+    ------
+    OptionError
+        If it is nothing.
+    """
+    if isinstance(schedule, Steered) and schedule.promise is not None:
+        return schedule.promise
+    text = "{max_spp} limits {error}, which the checkpoint was not asked for; give {spp}"
+    raise OptionError(text, names=("max_spp", "error", "spp"))
 
 
 def _least_spp(saved: Checkpoint) -> int:
@@ -199,7 +217,16 @@ def _check_machine(saved: Checkpoint) -> None:
     raise FilmError(
         f"cannot resume {saved.path}: here the same samples would have other bits\n"
         + listed(changed or ["kernel fingerprint: is another one"])
-        + f"\nits picture is whole: alight merge {saved.path} -o picture.exr"
+        + _whole(saved)
+    )
+
+
+def _whole(saved: Checkpoint) -> str:
+    """How to have the picture of a checkpoint that cannot go on."""
+    path = saved.path
+    return (
+        f"\nits picture is whole: alight merge {shlex.quote(path)} -o picture.exr, in Python "
+        f'alight.merge({path!r}).save("picture.exr")'
     )
 
 
@@ -207,8 +234,8 @@ def _check_tables(saved: Checkpoint, job: Job) -> None:
     """Refuse a scene or a guide that comes out with other bits, though its text is the same."""
     if job.film.options.get(TABLES) != saved.state.rounds[0].options.get(TABLES):
         raise FilmError(
-            f"cannot resume {saved.path}: NumPy gives the tables of its scene other bits here\n"
-            f"its picture is whole: alight merge {saved.path} -o picture.exr"
+            f"cannot resume {saved.path}: NumPy gives the tables of its scene other bits here"
+            + _whole(saved)
         )
     if job.film.options.get("guide") != saved.state.rounds[0].options.get("guide"):
         raise FilmError(f"cannot resume {saved.path}: its guide comes out otherwise here")
@@ -232,8 +259,8 @@ def _load_scene(
         except SceneError as error:
             raise FilmError(
                 f"cannot resume {saved.path}: its scene cannot be loaded\n{error}\n"
-                "a scene that was moved is found again with --scene, and --root where it has one"
-                + _scripts(saved)
+                "a scene that was moved is found again with --scene, and --root where it has one; "
+                "in Python: scene=..., root=..." + _scripts(saved)
             ) from error
     if content_hash(flatten(scene)) != saved.state.rounds[0].scene_hash:
         raise FilmError(changed_scene(saved.path, saved.origin.content, scene))
@@ -244,7 +271,8 @@ def _scripts(saved: Checkpoint) -> str:
     """Ask for the scripts that a checkpoint names."""
     plugins = Targets.noted(saved.origin.notes).plugins
     asked = " ".join(f"--plugin {shlex.quote(str(path))}" for path in plugins)
-    return f"\na checkpoint runs no scripts; it was rendered with {asked}" if plugins else ""
+    named = f"{asked}, in Python plugins={[str(path) for path in plugins]}"
+    return f"\na checkpoint runs no scripts; it was rendered with {named}" if plugins else ""
 
 
 def _loaded(recipe, moved, root) -> Scene:

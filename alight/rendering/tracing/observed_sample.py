@@ -10,7 +10,7 @@ from alight.accel import intersect_closest, is_occluded
 from alight.bsdfs.dispatch import evaluate_bsdf, sample_bsdf
 from alight.compiled.scene import CompiledScene, compile_scene
 from alight.compiled.shapes import compile_shapes
-from alight.core.errors import OptionError
+from alight.core.errors import OptionError, show_value
 from alight.films import PartialFilm
 from alight.integrators.shadow_rays import shadow_transmittance
 from alight.integrators.walk import make_settings, step
@@ -120,9 +120,10 @@ def path_of(event: Event) -> Any:
 
 def _checked_pixel(pixel: tuple[int, int], size: tuple[int, int]) -> tuple[int, int]:
     width, height = size
-    whole = len(pixel) == 2 and all(isinstance(c, int | np.integer) for c in pixel)
+    is_pair = isinstance(pixel, list | tuple | np.ndarray) and np.shape(pixel) == (2,)
+    whole = is_pair and all(isinstance(c, int | np.integer) for c in pixel)
     if not whole or not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
-        shown = ",".join(map(str, pixel))
+        shown = ",".join(map(str, pixel)) if is_pair else show_value(pixel)
         allowed = f"x in [0, {width - 1}] and y in [0, {height - 1}]"
         raise OptionError(f"must be x,y with {allowed}, got {shown}", "pixel")
     return int(pixel[0]), int(pixel[1])

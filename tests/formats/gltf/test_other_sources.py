@@ -9,6 +9,7 @@ from PIL import Image
 
 from alight.core.errors import SceneError
 from alight.formats.gltf.scene import parse
+from alight.outputs.texels import ORIENTATION
 from tests.formats.gltf.maker import POINTS, Maker
 from tests.formats.gltf.reading import core, parsed
 
@@ -37,6 +38,17 @@ def test_webp_pictures_are_read():
     found = parsed(m)
     np.testing.assert_array_equal(color_of(found)["pixels"].texels, PIXELS)
     assert not any(WEBP in line for line in (*found.notes, *found.warnings))
+
+
+def test_packed_photos_stand_upright_and_it_is_told():
+    m, file, exif = textured(source=0), io.BytesIO(), Image.Exif()
+    exif[ORIENTATION] = 3
+    Image.fromarray(PIXELS).save(file, "PNG", exif=exif)
+    m.json["images"][0] = {"bufferView": m.view(file.getvalue()), "mimeType": "image/png"}
+    found = parsed(m)
+    np.testing.assert_array_equal(color_of(found)["pixels"].texels, PIXELS[::-1, ::-1])
+    (told,) = [text for text in found.warnings if "EXIF" in text]
+    assert "images[0]" in told
 
 
 def test_webp_files_beside_the_scene_are_read(tmp_path):
