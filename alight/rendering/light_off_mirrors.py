@@ -69,7 +69,15 @@ _BALLS = 32
 _BSDF = 1
 
 
-class _Light(NamedTuple):
+class Start(NamedTuple):
+    """Where light paths begin: row of the lamp, triangle of its mesh, normal there."""
+
+    lamp: np.ndarray
+    prim: np.ndarray
+    n: Vec3
+
+
+class Light(NamedTuple):
     """Light paths on their way.
 
     Attributes
@@ -86,6 +94,7 @@ class _Light(NamedTuple):
         Whether it comes from infinity; a mirror or glass has turned it; since then something has,
         or a mirror did it.
     times : (n,) float32
+    start : Start
     """
 
     o: Vec3
@@ -97,13 +106,15 @@ class _Light(NamedTuple):
     turned: np.ndarray
     aside: np.ndarray
     times: np.ndarray
+    start: Start
 
-    def some(self, rows: np.ndarray) -> _Light:
-        return _Light(*(picked(part, rows) for part in self))
+    def some(self, rows: np.ndarray) -> Light:
+        """These rows, or those of a mask."""
+        return Light(*(picked(part, rows) for part in self))
 
 
-class _Arrived(NamedTuple):
-    """Light at surfaces: places and normals, directions that it comes from; as of `_Light`."""
+class Arrived(NamedTuple):
+    """Light at surfaces: places and normals, directions that it comes from; as of `Light`."""
 
     p: np.ndarray
     n: np.ndarray
@@ -125,18 +136,18 @@ def light_off_mirrors(
     if lights is None:
         return nothing
     pilot = Pilot(scene, random, scene.tables._replace(lights=lights))
-    light = _set_out(pilot, boxes_of_casters(flat))
+    light = set_out(pilot, boxes_of_casters(flat))
     casts = np.array([is_caster(bsdf) or has_holes(bsdf, {}) for bsdf in flat.bsdfs])
     arrived = _follow(pilot, light, casts)
-    return _gather(pilot, seen, arrived) if len(arrived.share) >= NEAREST else nothing
+    return gather(pilot, seen, arrived) if len(arrived.share) >= NEAREST else nothing
 
 
 # ---------------------------------------------------------------- from the lamps
 
 
-def _set_out(pilot: Pilot, boxes: np.ndarray) -> _Light:
+def set_out(pilot: Pilot, boxes: np.ndarray, paths: int = PATHS) -> Light:
     """Begin light paths; every second one aims at a ball around a caster, if there is one."""
-    n, random = PATHS, pilot.random
+    n, random = paths, pilot.random
     times = pilot.times(n)
     tables, twin = pilot.at(times), pilot.twin
     u, ux, uy, vx, vy = random.random((5, n)).astype(np.float32)
@@ -174,7 +185,7 @@ def _set_out(pilot: Pilot, boxes: np.ndarray) -> _Light:
     angle = np.where(around, 1.0 / np.maximum(pdf_d, 1e-30), cosine / np.maximum(pdf_p, 1e-30))
     never = np.zeros(n, bool)
     o, d = (Vec3(*a.astype(np.float32).T.copy()) for a in (o, d))
-    light = _Light(
+    light = Light(
         o=o,
         d=d,
         radiance=radiance,
@@ -184,6 +195,7 @@ def _set_out(pilot: Pilot, boxes: np.ndarray) -> _Light:
         turned=never,
         aside=never,
         times=times,
+        start=Start(index, wide(e.prim, n), lanes_of(e.n, n)),
     )
     return light.some(good)
 
@@ -251,7 +263,7 @@ def _density(pilot, balls, p, d, around, pdf_p, pdf_d, cosine, times) -> np.ndar
 # ---------------------------------------------------------------- to what they light
 
 
-def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
+def _follow(pilot: Pilot, light: Light, casts: np.ndarray) -> Arrived:
     """Where light arrives that a mirror or glass has turned."""
     bsdf_of, found = pilot.tables.shapes.info.array[_BSDF::INFO], []
     for _ in range(MOST_SURFACES):
@@ -265,7 +277,7 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
         surface, wl = pilot.surface(hit, light.o, light.d, light.times)
         turns = pilot.turns(surface, wl, light.times)
         p, normal = (columns_of(lanes_of(v, n)) for v in (surface.p, surface.ns))
-        here = _Arrived(p, normal, -columns_of(light.d), light.radiance, light.share)
+        here = Arrived(p, normal, -columns_of(light.d), light.radiance, light.share)
         found.append(picked(here, light.aside))
         sharp, passed = turns.sharp, turns.passed
         angle = light.angle / np.where(light.far, 1.0, hit.t.astype(np.float64) ** 2)
@@ -274,19 +286,19 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
         light = light._replace(
             o=pilot.leave(surface, turns.d),
             d=turns.d,
-            radiance=light.radiance * turns.weight,
-            share=light.share * wider,
+            radiance=light.radiance * turns.reversed_weight,
+            share=light.share * wider * turns.spreading,
             turned=light.turned | sharp,
             aside=light.aside | reflected | (light.turned & ~passed),
         ).some((turns.pdf > 0.0) & (passed | light.turned))
     none = np.zeros((0, 3))
-    return joined(found) if found else _Arrived(none, none, none, none, np.zeros(0))
+    return joined(found) if found else Arrived(none, none, none, none, np.zeros(0))
 
 
 # ---------------------------------------------------------------- at what the camera sees
 
 
-def _gather(pilot: Pilot, seen: Seen, arrived: _Arrived) -> np.ndarray:
+def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
     """Light at the points of the picture, by its nearest light paths."""
     surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
     n = len(seen.point)
