@@ -69,15 +69,7 @@ _BALLS = 32
 _BSDF = 1
 
 
-class Start(NamedTuple):
-    """Where light paths begin: row of the lamp, triangle of its mesh, normal there."""
-
-    lamp: np.ndarray
-    prim: np.ndarray
-    n: Vec3
-
-
-class Light(NamedTuple):
+class _Light(NamedTuple):
     """Light paths on their way.
 
     Attributes
@@ -94,7 +86,6 @@ class Light(NamedTuple):
         Whether it comes from infinity; a mirror or glass has turned it; since then something has,
         or a mirror did it.
     times : (n,) float32
-    start : Start
     """
 
     o: Vec3
@@ -106,15 +97,13 @@ class Light(NamedTuple):
     turned: np.ndarray
     aside: np.ndarray
     times: np.ndarray
-    start: Start
 
-    def some(self, rows: np.ndarray) -> Light:
-        """These rows, or those of a mask."""
-        return Light(*(picked(part, rows) for part in self))
+    def some(self, rows: np.ndarray) -> _Light:
+        return _Light(*(picked(part, rows) for part in self))
 
 
 class Arrived(NamedTuple):
-    """Light at surfaces: places and normals, directions that it comes from; as of `Light`."""
+    """Light at surfaces: places and normals, directions that it comes from; as of `_Light`."""
 
     p: np.ndarray
     n: np.ndarray
@@ -136,7 +125,7 @@ def light_off_mirrors(
     if lights is None:
         return nothing
     pilot = Pilot(scene, random, scene.tables._replace(lights=lights))
-    light = set_out(pilot, boxes_of_casters(flat))
+    light = _set_out(pilot, boxes_of_casters(flat))
     casts = np.array([is_caster(bsdf) or has_holes(bsdf, {}) for bsdf in flat.bsdfs])
     arrived = _follow(pilot, light, casts)
     return gather(pilot, seen, arrived) if len(arrived.share) >= NEAREST else nothing
@@ -145,9 +134,9 @@ def light_off_mirrors(
 # ---------------------------------------------------------------- from the lamps
 
 
-def set_out(pilot: Pilot, boxes: np.ndarray, paths: int = PATHS) -> Light:
+def _set_out(pilot: Pilot, boxes: np.ndarray) -> _Light:
     """Begin light paths; every second one aims at a ball around a caster, if there is one."""
-    n, random = paths, pilot.random
+    n, random = PATHS, pilot.random
     times = pilot.times(n)
     tables, twin = pilot.at(times), pilot.twin
     u, ux, uy, vx, vy = random.random((5, n)).astype(np.float32)
@@ -185,7 +174,7 @@ def set_out(pilot: Pilot, boxes: np.ndarray, paths: int = PATHS) -> Light:
     angle = np.where(around, 1.0 / np.maximum(pdf_d, 1e-30), cosine / np.maximum(pdf_p, 1e-30))
     never = np.zeros(n, bool)
     o, d = (Vec3(*a.astype(np.float32).T.copy()) for a in (o, d))
-    light = Light(
+    light = _Light(
         o=o,
         d=d,
         radiance=radiance,
@@ -195,7 +184,6 @@ def set_out(pilot: Pilot, boxes: np.ndarray, paths: int = PATHS) -> Light:
         turned=never,
         aside=never,
         times=times,
-        start=Start(index, wide(e.prim, n), lanes_of(e.n, n)),
     )
     return light.some(good)
 
@@ -263,7 +251,7 @@ def _density(pilot, balls, p, d, around, pdf_p, pdf_d, cosine, times) -> np.ndar
 # ---------------------------------------------------------------- to what they light
 
 
-def _follow(pilot: Pilot, light: Light, casts: np.ndarray) -> Arrived:
+def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> Arrived:
     """Where light arrives that a mirror or glass has turned."""
     bsdf_of, found = pilot.tables.shapes.info.array[_BSDF::INFO], []
     for _ in range(MOST_SURFACES):

@@ -16,7 +16,8 @@ along :math:`\omega_l` by one of two techniques, which the balance heuristic com
 P being the probability of light sampling to choose the lamp and :math:`p_l` its density, one over
 the lamp's solid angle. L' is what a sample brings, and G' the étendue of the light path, which has
 turned with the density :math:`p(\omega_o \mid \omega_l)`: the flux L' G' is what arrives. At
-further surfaces light sampling finds nothing, so P is 0 there.
+further surfaces light sampling finds nothing, so P is 0 there. Lamps without a size are found by
+light sampling alone.
 
 How bright a patch is and how often it is met follow from there as they do for mirrors. Media are
 neglected, and scenes that have some are not looked at.
@@ -27,7 +28,7 @@ Source: Veach 1997, sections 8.3 and 9.2; Jensen 1996.
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,14 +41,15 @@ from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE
 from alight.integrators.walk import to_local
-from alight.lights.emission.density import direct_density
-from alight.lights.emission.sampling import no_emission
-from alight.rendering.light_off_mirrors import NEAREST, Arrived, Light, gather, set_out
+from alight.lights.emission.density import direct_density, is_kind
+from alight.lights.emission.sampling import no_emission, sample_emission
+from alight.rendering.light_off_mirrors import NEAREST, Arrived, gather
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
     Turns,
     columns_of,
+    dots,
     joined,
     lanes_of,
     picked,
@@ -68,6 +70,43 @@ _OFTEN = 10.0
 
 #: Samples per pixel at the first look at a picture.
 _FIRST = 16
+
+
+class _Light(NamedTuple):
+    """Light paths on their way.
+
+    Attributes
+    ----------
+    o, d : Vec3
+    radiance : (n, 3) float64
+        L; of lamps at a point the intensity, of those in one direction the irradiance.
+    share : (n,) float64
+        G, so that the product is a flux.
+    turned : (n,) bool
+        Whether a surface has scattered it.
+    times : (n,) float32
+    lamp, prim : (n,) int
+        Row of the lamp, and triangle of its mesh.
+    normal : Vec3
+        Of the lamp.
+    near, sized : (n,) bool
+        Whether the lamp is a point; whether it has a size.
+    """
+
+    o: Vec3
+    d: Vec3
+    radiance: np.ndarray
+    share: np.ndarray
+    turned: np.ndarray
+    times: np.ndarray
+    lamp: np.ndarray
+    prim: np.ndarray
+    normal: Vec3
+    near: np.ndarray
+    sized: np.ndarray
+
+    def some(self, rows: np.ndarray) -> _Light:
+        return _Light(*(picked(part, rows) for part in self))
 
 
 def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | None:
@@ -99,9 +138,8 @@ def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
         return None
     both = scene.tables._replace(lights=_both(scene.tables.lights, lights))
     lit = Pilot(scene, pilot.random, both)
-    light = set_out(lit, np.zeros((0, 6)), PATHS)
     mirrors = any(is_caster(bsdf) for bsdf in flat.bsdfs)
-    arrived = _follow(lit, light, mirrors, min(longest - _EDGES + 2, MOST_SURFACES))
+    arrived = _follow(lit, _set_out(lit), mirrors, min(longest - _EDGES + 2, MOST_SURFACES))
     if len(arrived.share) < NEAREST:
         return None
     table = gather(lit, seen, arrived)
@@ -116,7 +154,36 @@ def _both(sampled: Any, emitting: Any) -> Any:
     return namedtuple("BothLights", (*sampled._fields, *more))(*fields)
 
 
-def _follow(pilot: Pilot, light: Light, mirrors: bool, most: int) -> Arrived:
+def _set_out(pilot: Pilot) -> _Light:
+    """Begin light paths."""
+    n, times = PATHS, pilot.times(PATHS)
+    tables = pilot.at(times)
+    u, ux, uy, vx, vy = pilot.random.random((5, n)).astype(np.float32)
+    e = pilot.twin(sample_emission)(tables, u, (ux, uy), (vx, vy))
+    lamp = wide(e.light, n)
+    on_shape, near, _ = (wide(kind, n) for kind in pilot.twin(is_kind)(tables, lamp))
+    normal, d = lanes_of(e.n, n), lanes_of(e.d, n)
+    cosine = np.where(on_shape, dots(columns_of(normal), columns_of(d)), 1.0)
+    chances = (e.choice, e.pdf_position, e.pdf_direction)
+    density = np.prod([wide(chance, n).astype(np.float64) for chance in chances], axis=0)
+    good = (density > 0.0) & (cosine > 0.0)
+    per = np.where(good, density / np.where(good, cosine, 1.0), 0.0)
+    return _Light(
+        o=lanes_of(e.o, n),
+        d=d,
+        radiance=columns_of(lanes_of(e.flux, n)) * per[:, None],
+        share=1.0 / (np.where(good, per, 1.0) * n),
+        turned=np.zeros(n, bool),
+        times=times,
+        lamp=lamp,
+        prim=wide(e.prim, n),
+        normal=normal,
+        near=near,
+        sized=~wide(e.delta_position, n) & ~wide(e.delta_direction, n),
+    ).some(good)
+
+
+def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> Arrived:
     """Where light arrives that a surface has scattered, after at most so many surfaces."""
     found, random = [], pilot.random
     for _ in range(most):
@@ -151,7 +218,7 @@ def _follow(pilot: Pilot, light: Light, mirrors: bool, most: int) -> Arrived:
 
 
 def _scattered(
-    pilot: Pilot, light: Light, way: np.ndarray, surface: Surface, wl: Vec3, turns: Turns
+    pilot: Pilot, light: _Light, way: np.ndarray, surface: Surface, wl: Vec3, turns: Turns
 ) -> tuple[np.ndarray, np.ndarray]:
     """L' / L, shape (n, 3), and G' / G of light that a surface turns."""
     n, tables = len(light.share), pilot.at(light.times)
@@ -159,11 +226,13 @@ def _scattered(
     wo = lanes_of(pilot.twin(to_local)(surface, turns.d), n)
     f_cos, reverse = pilot.twin(evaluate_bsdf)(tables, surface, wo, wl, there)
     f_cos, reverse = columns_of(lanes_of(f_cos, n)), wide(reverse, n).astype(np.float64)
-    start = light.start
     zeros = no_emission(None, None, None, None, None)
-    emission = zeros._replace(light=start.lamp, prim=start.prim, n=start.n)
-    led = pilot.twin(direct_density)(tables, emission, surface.p, light.d, way)
-    both = reverse + np.where(light.turned, 0.0, np.nan_to_num(wide(led, n).astype(np.float64)))
+    start = zeros._replace(light=light.lamp, prim=light.prim, n=light.normal)
+    led = pilot.twin(direct_density)(tables, start, surface.p, light.d, way)
+    led = np.nan_to_num(wide(led, n).astype(np.float64))
+    # What lamps without a size bring is over their probability alone, and falls with the distance.
+    led = np.where(light.near, led * way.astype(np.float64) ** 2, led)
+    both = np.where(light.turned, 0.0, led) + np.where(light.turned | light.sized, reverse, 0.0)
     cosines = np.abs(wo.z.astype(np.float64)) / np.maximum(np.abs(wide(wl.z, n)), 1e-6)
     scatters = (turns.pdf > 0.0) & (both > 0.0) & ((turns.flags & DELTA) == 0)
     seen = np.where(scatters[:, None], f_cos / np.where(scatters, both, 1.0)[:, None], 0.0)

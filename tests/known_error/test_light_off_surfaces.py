@@ -66,8 +66,16 @@ def of_card(n=16):
     return ALBEDO * form * float((area * radiance).sum()), radiance, form * area
 
 
-def test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_large():
-    table = found_in(room())
+#: As bright, and without a size.
+POINT = {
+    "light": {"type": "point", "intensity": RADIANCE * math.pi * RADIUS**2},
+    "transform": {"translate": [0, 0, HEIGHT - CLOSE]},
+}
+
+
+@pytest.mark.parametrize("lamp", [lamp_of(), POINT], ids=["a ball", "a point"])
+def test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_large(lamp):
+    table = found_in(room(lamp=lamp))
     light, radiance, met = of_card()
     assert table[:, 2].sum() / POINTS == pytest.approx(light, rel=0.08)
     # What a sample brings is the radiance that it meets, times the albedo.
