@@ -108,6 +108,8 @@ class Job:
         Of the scene's guide.
     look_behind_glass : callable, optional
         `light_behind_glass` of the scene.
+    look_off_surfaces : callable, optional
+        `light_off_surfaces` of the scene.
 
     Raises
     ------
@@ -132,9 +134,11 @@ class Job:
         largest_sample: float | None = None,
         training: Training | None = None,
         look_behind_glass: Callable[[], np.ndarray | None] = lambda: None,
+        look_off_surfaces: Callable[[], np.ndarray | None] = lambda: None,
     ) -> None:
         self.training = training
         self._look_behind_glass = look_behind_glass
+        self._look_off_surfaces = look_off_surfaces
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
         self.settings = make_settings(
@@ -172,14 +176,21 @@ class Job:
         film.suspicions, film.largest_sample = tuple(scene.warnings), self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
         # Only a promise asks its film.
-        film.behind_glass = self.behind_glass if self.schedule.promises else None
+        film.behind_glass = self.met_by_chance if self.schedule.promises else None
         film.shares_paths = scene.integrator.splats
         return film
 
     @cached_property
     def behind_glass(self) -> np.ndarray | None:
-        """Light behind clear glass, looked for when it is first asked for: `Film.behind_glass`."""
+        """Light behind clear glass and off mirrors, looked for when it is first asked for."""
         return self._look_behind_glass()
+
+    @cached_property
+    def met_by_chance(self) -> np.ndarray | None:
+        """That, and light off small bright surfaces: `Film.behind_glass` of a promise."""
+        parts = [self.behind_glass, self._look_off_surfaces()]
+        found = [part for part in parts if part is not None]
+        return np.concatenate(found) if found else None
 
     def _guide(self) -> dict[str, Any]:
         """The guide as a part of a film's identity."""
@@ -221,7 +232,7 @@ class Job:
         for film in self.rounds:
             film.suspicions = tuple(self.scene.warnings)
             # It may have been begun without a promise, for which nobody looked.
-            film.behind_glass = self.behind_glass if self.schedule.promises else film.behind_glass
+            film.behind_glass = self.met_by_chance if self.schedule.promises else film.behind_glass
         self.rays, self.samples = state.rays, state.samples
         self._earlier = self._restored = state.seconds
 

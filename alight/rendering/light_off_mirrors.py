@@ -102,7 +102,7 @@ class _Light(NamedTuple):
         return _Light(*(picked(part, rows) for part in self))
 
 
-class _Arrived(NamedTuple):
+class Arrived(NamedTuple):
     """Light at surfaces: places and normals, directions that it comes from; as of `_Light`."""
 
     p: np.ndarray
@@ -128,7 +128,7 @@ def light_off_mirrors(
     light = _set_out(pilot, boxes_of_casters(flat))
     casts = np.array([is_caster(bsdf) or has_holes(bsdf, {}) for bsdf in flat.bsdfs])
     arrived = _follow(pilot, light, casts)
-    return _gather(pilot, seen, arrived) if len(arrived.share) >= NEAREST else nothing
+    return gather(pilot, seen, arrived) if len(arrived.share) >= NEAREST else nothing
 
 
 # ---------------------------------------------------------------- from the lamps
@@ -251,7 +251,7 @@ def _density(pilot, balls, p, d, around, pdf_p, pdf_d, cosine, times) -> np.ndar
 # ---------------------------------------------------------------- to what they light
 
 
-def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
+def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> Arrived:
     """Where light arrives that a mirror or glass has turned."""
     bsdf_of, found = pilot.tables.shapes.info.array[_BSDF::INFO], []
     for _ in range(MOST_SURFACES):
@@ -265,7 +265,7 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
         surface, wl = pilot.surface(hit, light.o, light.d, light.times)
         turns = pilot.turns(surface, wl, light.times)
         p, normal = (columns_of(lanes_of(v, n)) for v in (surface.p, surface.ns))
-        here = _Arrived(p, normal, -columns_of(light.d), light.radiance, light.share)
+        here = Arrived(p, normal, -columns_of(light.d), light.radiance, light.share)
         found.append(picked(here, light.aside))
         sharp, passed = turns.sharp, turns.passed
         angle = light.angle / np.where(light.far, 1.0, hit.t.astype(np.float64) ** 2)
@@ -274,19 +274,19 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> _Arrived:
         light = light._replace(
             o=pilot.leave(surface, turns.d),
             d=turns.d,
-            radiance=light.radiance * turns.weight,
-            share=light.share * wider,
+            radiance=light.radiance * turns.reversed_weight,
+            share=light.share * wider * turns.spreading,
             turned=light.turned | sharp,
             aside=light.aside | reflected | (light.turned & ~passed),
         ).some((turns.pdf > 0.0) & (passed | light.turned))
     none = np.zeros((0, 3))
-    return joined(found) if found else _Arrived(none, none, none, none, np.zeros(0))
+    return joined(found) if found else Arrived(none, none, none, none, np.zeros(0))
 
 
 # ---------------------------------------------------------------- at what the camera sees
 
 
-def _gather(pilot: Pilot, seen: Seen, arrived: _Arrived) -> np.ndarray:
+def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
     """Light at the points of the picture, by its nearest light paths."""
     surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
     n = len(seen.point)

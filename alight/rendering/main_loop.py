@@ -27,6 +27,7 @@ from alight.rendering.executors.cluster_executor import executor_of
 from alight.rendering.job import Job, Progress
 from alight.rendering.layers import layers_of
 from alight.rendering.light_behind_glass import light_behind_glass
+from alight.rendering.light_off_surfaces import light_off_surfaces
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedules.passes import Pace
 from alight.rendering.schedules.sample_bound import largest_sample
@@ -133,6 +134,7 @@ def job_of(
         largest_sample=largest_sample(flat, compiled.program.light_tree),
         training=training,
         look_behind_glass=partial(light_behind_glass, flat, compiled),
+        look_off_surfaces=partial(light_off_surfaces, flat, compiled),
     )  # fmt: skip
 
 

@@ -40,7 +40,7 @@ BEHIND_GLASS = (
     Mutant(
         "a render that goes on without what its promise asks for",
         "rendering/job.py",
-        (("= self.behind_glass if self.schedule.promises else film", "= film"),),
+        (("= self.met_by_chance if self.schedule.promises else film", "= film"),),
         f"{GLASS}::test_a_render_that_goes_on_to_an_error_looks_for_it",
     ),
     Mutant(

@@ -1,0 +1,123 @@
+"""Light that small bright surfaces throw is known before a sample meets them."""
+
+import math
+
+import numpy as np
+import pytest
+
+import alight
+from alight.compiled.scene import compile_scene
+from alight.rendering.light_off_surfaces import light_off_surfaces
+from alight.rendering.pilot_rays import POINTS
+from alight.rendering.schedules.stopping import Promise, judge_means
+from alight.scene import flatten
+
+#: A lamp just below a small card: metres, W/(m^2 sr).
+RADIUS, CLOSE, CARD, HEIGHT, SIDE = 0.002, 0.05, 0.1, 1.0, 1.0
+RADIANCE, ALBEDO, WHITE = 1e5, 0.4, 0.8
+
+#: The card faces the floor.
+UNDER = [{"rotate": {"axis": [1, 0, 0], "angle": 180}}, {"translate": [0, 0, HEIGHT]}]
+
+
+def lamp_of(radius=RADIUS, radiance=RADIANCE, z=HEIGHT - CLOSE):
+    return {
+        "shape": {"type": "sphere", "radius": radius},
+        "bsdf": {"type": "diffuse", "reflectance": 0},
+        "transform": {"translate": [0, 0, z]},
+        "light": {"type": "area", "radiance": radiance},
+    }
+
+
+def room(card=None, integrator=None, **more):
+    """A matte floor seen from above, the camera below the card."""
+    bsdf = {"type": "diffuse", "reflectance": WHITE}
+    disk = {"shape": "disk", "bsdf": bsdf, "transform": [{"scale": CARD}, *UNDER]}
+    nodes = {
+        "floor": {"shape": "plane", "bsdf": {"type": "diffuse", "reflectance": ALBEDO}},
+        "lamp": lamp_of(),
+        "card": card or disk,
+    }
+    look = {"origin": [0, 0, 0.6], "target": [0, 0, 0], "up": [0, 1, 0]}
+    return alight.load({
+        "alight": 1, "film": {"size": [32, 32]}, "nodes": nodes | more,
+        "integrator": integrator or {"type": "path", "max_depth": 3},
+        "camera": {"type": "orthographic", "height": 2 * SIDE, "transform": {"look_at": look}},
+    })  # fmt: skip
+
+
+def found_in(scene):
+    flat = flatten(scene)
+    return light_off_surfaces(flat, compile_scene(flat))
+
+
+def of_card(n=16):
+    """Mean radiance of the floor by the lit card; radiance of parts of it, and how often paths from
+    the floor meet these.
+    """
+    r = (np.arange(40) + 0.5) / 40 * CARD
+    area = 2 * math.pi * r * CARD / 40
+    square = r**2 + CLOSE**2
+    lit = RADIANCE * math.pi * RADIUS**2 * CLOSE / square**1.5
+    x, y = np.meshgrid(*2 * [(np.arange(n) + 0.5) / n * 2 * SIDE - SIDE])
+    # Far away, it does not matter where on the card.
+    form = (HEIGHT**2 / (math.pi * (x**2 + y**2 + HEIGHT**2) ** 2)).mean()
+    radiance = WHITE / math.pi * lit
+    return ALBEDO * form * float((area * radiance).sum()), radiance, form * area
+
+
+#: As bright, and without a size.
+POINT = {
+    "light": {"type": "point", "intensity": RADIANCE * math.pi * RADIUS**2},
+    "transform": {"translate": [0, 0, HEIGHT - CLOSE]},
+}
+
+
+@pytest.mark.parametrize("lamp", [lamp_of(), POINT], ids=["a ball", "a point"])
+def test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_large(lamp):
+    table = found_in(room(lamp=lamp))
+    light, radiance, met = of_card()
+    assert table[:, 2].sum() / POINTS == pytest.approx(light, rel=0.08)
+    # What a sample brings is the radiance that it meets, times the albedo.
+    square = (table[:, 2] ** 2 / table[:, 6]).sum() / POINTS
+    assert square == pytest.approx(ALBEDO**2 * (met * radiance**2).sum(), rel=0.1)
+
+
+def test_a_satin_bulb_keeps_the_power_of_its_lamp():
+    """The lamp is in glass: étendue shrinks on the way out, and flux does not."""
+    bulb = {
+        "shape": {"type": "sphere", "radius": 0.05},
+        "bsdf": {"type": "rough_dielectric", "alpha": 0.2},
+        "transform": {"translate": [0, 0, 0.9]},
+    }
+    found = found_in(room(bulb, {"type": "path", "max_depth": 4}, lamp=lamp_of(z=0.9)))
+    x, y = np.meshgrid(*2 * [(np.arange(32) + 0.5) / 16 * SIDE - SIDE])
+    square = x**2 + y**2 + 0.9**2
+    light = ALBEDO * RADIANCE * RADIUS**2 * (0.9 / square**1.5).mean()
+    # A few per cent are turned back more often than paths of four edges are long.
+    assert 0.8 * light < found[:, 2].sum() / POINTS < 1.05 * light
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"integrator": {"type": "path", "max_depth": 2}},
+        {"integrator": {"type": "direct"}},
+        {"integrator": {"type": "path", "light_sampling": "bsdf"}},
+        {"integrator": {"type": "bidirectional"}},
+        {"card": {"shape": {"type": "sphere", "radius": 0.01}, "bsdf": {"type": "mirror"}}},
+    ],
+    ids=str,
+)
+def test_nothing_is_found_where_no_path_is_long_enough_or_all_are_led_to_it(changes):
+    assert found_in(room(**changes)) is None
+
+
+def test_a_picture_that_no_such_light_has_met_is_not_promised():
+    means, counts = np.ones((32, 32, 4, 3), np.float32), np.full((32, 32, 4), 1)
+    behind, asked = found_in(room()), Promise(0.05)
+    means = means * of_card()[0]
+    assert judge_means(means, counts, asked).met
+    assert not judge_means(means, counts, asked, behind=behind).met
+    # The same light is a small part of a bright picture.
+    assert judge_means(means * 100.0, counts, asked, behind=behind).met
