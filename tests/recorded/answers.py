@@ -16,16 +16,15 @@ from __future__ import annotations
 import importlib
 import json
 import math
-import pkgutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from tests.recorded import cases
-
 FOLDER = Path(__file__).with_name("answers")
+CASES = Path(__file__).with_name("cases")
 
 #: Numbers are kept with this many significant digits.
 DIGITS = 6
@@ -37,13 +36,18 @@ Answer = Any
 Case = Callable[[], Answer]
 
 
+def modules_of_cases() -> Iterator[tuple[str, ModuleType]]:
+    """Name and module of all files of cases."""
+    for path in sorted(CASES.glob("*.py")):
+        yield path.stem, importlib.import_module(f"tests.recorded.cases.{path.stem}")
+
+
 def all_cases() -> dict[str, Case]:
     """By name: the module's and the function's."""
     found: dict[str, Case] = {}
-    for module in pkgutil.iter_modules(cases.__path__):
-        loaded = importlib.import_module(f"{cases.__name__}.{module.name}")
+    for module, loaded in modules_of_cases():
         for name, case in loaded.CASES.items():
-            found[f"{module.name}/{name}"] = case
+            found[f"{module}/{name}"] = case
     return found
 
 

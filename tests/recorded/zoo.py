@@ -6,8 +6,6 @@ scenes by name. `test_zoo` demands that every model and every key of the project
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -18,7 +16,7 @@ from alight.films import fixed_point
 from alight.formats import loads
 from alight.rendering.tiles.tile_kernel import Tile
 from alight.scene import Scene, flatten
-from tests.recorded import cases
+from tests.recorded.answers import modules_of_cases
 from tests.twin import film_of
 
 SEED, REPLICATES, SPP = 20261127, 2, 4
@@ -79,9 +77,8 @@ def films(scenes: Mapping[str, str], **options: object) -> dict[str, Callable[[]
 def all_scenes() -> dict[str, Scene]:
     """The scenes of all modules."""
     found: dict[str, Scene] = {}
-    for module in pkgutil.iter_modules(cases.__path__):
-        if module.name.startswith("zoo_"):
-            loaded = importlib.import_module(f"{cases.__name__}.{module.name}")
+    for module, loaded in modules_of_cases():
+        if module.startswith("zoo_"):
             for name, text in loaded.SCENES.items():
-                found[f"{module.name}/{name}"] = loads(text, f"{name}.yaml")
+                found[f"{module}/{name}"] = loads(text, f"{name}.yaml")
     return found

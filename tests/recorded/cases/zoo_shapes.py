@@ -4,6 +4,7 @@
 
 from functools import partial
 
+from tests.recorded.cases.zoo_materials import GEM
 from tests.recorded.zoo import FLOOR, LAMP, STAGE, film_answer, films, scene
 
 PAINT = "{type: rough_plastic, diffuse_reflectance: %s, alpha: 0.3}"
@@ -94,6 +95,27 @@ TOOL = """
       handle: {shape: {type: cylinder, p0: [0, -0.2, 0.1], p1: [0.1, 0.6, 0], radius: 0.1}, bsdf: {type: two_sided, bsdf: {type: oren_nayar, reflectance: [0.6, 0.4, 0.2]}}}
 """
 
+#: Reliefs on every shape.
+BUMPS = "{type: bump_map, texture: {type: add, a: {type: bitmap, pixels: [[[0.1, 0.9, 0.3], [0.5, 0.2, 0.8]], [[0.7, 0.4, 0.6], [0.2, 0.9, 0.1]]], to_uv: {scale: [3, 2]}, color_space: linear}, b: {type: noise, space: uv, scale: 3}}, scale: 0.2, bsdf: {type: rough_plastic, diffuse_reflectance: [0.5, 0.3, 0.4]}}"
+_KEYS = "\n    bsdf: {type: two_sided, bsdf: relief}"
+RELIEFS = "".join(
+    f"\n  relief {i}:{_KEYS}\n    shape: {shape}\n    transform: [{{scale: [0.45, 0.5, 0.4]}}, "
+    f"{{rotate: {{axis: [1, 0.4, 0.2], angle: {23 + 40 * i}}}}}, {{translate: [{place}]}}]"
+    for i, (shape, place) in enumerate(
+        (
+            ("sphere", "-1.2, 0.6, 0.3"),
+            ("{type: cylinder, p1: [0.2, 0, 1]}", "-0.3, 0.5, 0.9"),
+            ("disk", "0.4, 0.7, 0.5"),
+            ("rectangle", "1.3, 0.7, 0.4"),
+            ("cube", "-0.4, 0.9, -0.8"),
+            (
+                "{type: curves, points: [[-0.9, 0, 0], [0, 0.6, 0.2], [0.7, 0.2, 0.5], [1, 1, 0.3]], radii: 0.3}",
+                "0.9, 1.4, -0.4",
+            ),
+        )
+    )
+)
+
 LAYERS = (
     "direct", "indirect", "albedo", "normal", "geometric_normal", "position", "depth", "uv", "id",
     "alpha", "albedo_through", "normal_through",
@@ -152,6 +174,8 @@ SCENES = {
     ),
     "strands-linear": scene(STAGE + STRANDS % ("catmull_rom", "linear")),
     "copies": scene(STAGE + COPIES, prototypes=TOOL),
+    "reliefs": scene(STAGE + RELIEFS, bsdfs=f"{{relief: {BUMPS}}}"),
+    "relief-mesh": scene(STAGE + GEM % BUMPS + "\n  hills:" + HILLS.partition("hills:")[2].partition("  folded:")[0].replace("{type: diffuse, reflectance: [0.4, 0.6, 0.3]}", BUMPS)),
     "chequers": painted("chequers", "picture", "texels", "tiles"),
     "patterns": painted("clouds", "vertices", "marble", "rings"),
     "sums": painted("product", "mixture", "cut", "plain"),

@@ -5,8 +5,11 @@
 from functools import partial
 
 from tests.recorded.cases.zoo_lights import (
+    BEAMS,
     LENS,
+    PICTURES,
     POINTS,
+    PROFILES,
     ROOM,
     SHAPES,
     SKY,
@@ -24,6 +27,7 @@ MEDIA = """
   tea: {type: homogeneous, sigma_a: [0.9, 1.4, 2.6], sigma_s: [0.3, 0.5, 0.2], scale: 0.8, phase: {type: rayleigh}}
   ink: {type: homogeneous, sigma_a: [0.12, 0.07, 0.04]}
   glow: {type: homogeneous, sigma_t: [0.21, 0.16, 0.29], albedo: 0.4, emission: [0.9, 0.4, 0.2]}
+  smoke: {type: grid, values: [[[0.4, 0.9], [0.7, 0.3]]], sigma_a: [0.7, 0.5, 0.9], sigma_s: 0.4, emission: [0.5, 0.3, 0.1], low: [-0.9, 0.2, -0.8], high: [0.9, 1.4, 0.9]}
   cloud:
     type: grid
     values: [[[0.2, 1, 0.5], [0.7, 0.1, 0.9]], [[0.9, 0.3, 0], [0.1, 0.8, 0.5]]]
@@ -117,6 +121,8 @@ SCENES = {
     "light": integrator("{type: light, max_depth: 6}"),
     "light-roulette": scene(ROOM + SHAPES + POINTS, integrator="{type: light, rr_depth: 2}", environment=SKY % "", film="{size: [12, 8], filter: {type: tent, radius: 1.3}}"),
     "light-lens": scene(ROOM + LAMP, integrator="{type: light, max_depth: 4, russian_roulette: none}", camera=f"{{type: thin_lens, fov: 43, aperture_radius: 0.2, focus_distance: 4.6, {LOOK}}}"),
+    "light-beams": scene(ROOM + PROFILES + PICTURES + BEAMS, integrator="{type: light, max_depth: 4}", environment=""),
+    "bidirectional-beams": scene(ROOM + PROFILES + PICTURES + BEAMS, integrator="{type: bidirectional, max_depth: 4}", environment=""),
     "bidirectional": integrator("{type: bidirectional, max_depth: 6}"),
     "bidirectional-balance": scene(ROOM + SHAPES + POINTS, integrator="{type: bidirectional, max_depth: 5, heuristic: balance, light_choice: tree, russian_roulette: none}", environment=SKY % ""),
     "bidirectional-windows": scene(ROOM + WINDOWS, integrator="{type: bidirectional, rr_depth: 2, light_choice: uniform}", environment="{type: sunsky, sun_direction: [0.3, 0.8, 0.5], scale: 0.04}", camera=f"{{type: orthographic, height: 3.1, {LOOK}}}"),
@@ -128,6 +134,7 @@ SCENES = {
     "glasses": scene(STAGE + GLASSES, integrator=volpath(), media=MEDIA, medium="fog"),
     "glasses-emitter": scene(STAGE + GLASSES + MASKS, integrator=volpath(light_choice="power"), media=MEDIA, environment=""),
     "cloud": scene(FLOOR + "\n  box: {shape: cube, bsdf: {type: 'null'}, interior: cumulus, transform: [{scale: [1.4, 0.8, 1.1]}, {translate: [0, 0.9, 0]}]}\n", media="{cumulus: {type: grid, file: 'builtin:cloud', low: [-1.2, 0.2, -0.9], high: [1.1, 1.5, 0.8], sigma_s: [7, 8, 9]}}", integrator=volpath()),
+    "smoke": scene(STAGE + "\n  box: {shape: cube, bsdf: {type: 'null'}, interior: smoke, transform: [{scale: 1.1}, {translate: [0, 0.9, 0]}]}\n", integrator=volpath(), media=MEDIA),
     "camera-in-ink": scene(ROOM + LAMP, integrator=volpath(), media=MEDIA, camera=f"{{type: pinhole, fov: 41, medium: ink, {LOOK}}}"),
     "camera-in-tea": scene(ROOM + LAMP, integrator=volpath(), media=MEDIA, camera=f"{{type: thin_lens, fov: 41, focus_distance: 4, medium: tea, shutter: [0.2, 0.4], {LOOK}}}"),
     "camera-in-glow": scene(ROOM + LAMP, integrator=volpath(), media=MEDIA, medium="glow", camera=f"{{type: orthographic, height: 3, medium: ink, shutter: [0, 0.3], {LOOK}}}"),
@@ -156,7 +163,26 @@ SCENES = {
     "moving-caustics": scene(FLOOR + MOVING + MOVING_LENS, integrator="{type: path, max_depth: 5, caustics: manifold}", environment=""),
 }  # fmt: skip
 MATTES = ("cryptomatte_object", "cryptomatte_material", "alpha", "direct")
-CASES = films(SCENES) | {
-    f"layers/{name}": partial(film_answer, SCENES[name], 3, MATTES)
-    for name in ("direct", "moving", "mitchell", "crop")
+SHADOWS = {
+    "shadows": scene(
+        ROOM + MASKS + POINTS,
+        environment=SKY % "",
+        integrator="{type: path, max_depth: 3, hide_emitters: true}",
+    ),
+    "shadows-tree": scene(
+        ROOM + LENS + POINTS + BEAMS,
+        environment="",
+        integrator="{type: path, max_depth: 3, hide_emitters: true, light_choice: tree}",
+    ),
 }
+CASES = (
+    films(SCENES)
+    | {
+        f"layers/{name}": partial(film_answer, text, 3, ("alpha", "shadow"))
+        for name, text in SHADOWS.items()
+    }
+    | {
+        f"layers/{name}": partial(film_answer, SCENES[name], 3, MATTES)
+        for name in ("direct", "moving", "mitchell", "crop")
+    }
+)
