@@ -39,7 +39,7 @@ def described(value: Any, few: int = FEW) -> Any:
     if isinstance(value, BaseException):
         return f"{type(value).__name__}: {masked(str(value))}"
     if isinstance(value, Mapping):
-        return {str(key): told(one) for key, one in value.items()}
+        return {masked(str(key)): told(one) for key, one in value.items()}
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return told(value._asdict())
     if isinstance(value, (set, frozenset)):
@@ -117,8 +117,13 @@ MASKS = (
 )
 
 
+#: Numbers in texts with more digits than are the same on every machine.
+LONG = re.compile(r"(?<![\w.])-?\d+\.\d{6,}(?:e[+-]?\d+)?")
+
+
 def masked(text: str) -> str:
-    """A text without folders of this run, times, speeds, memory, dates and digests."""
+    """A text without folders of this run, times, speeds, memory, dates, digests and last digits."""
+    text = LONG.sub(lambda found: f"{float(found[0]):.5g}", text)
     for pattern, instead in MASKS:
         text = re.sub(pattern, instead, text)
     return text

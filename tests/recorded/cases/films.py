@@ -317,10 +317,6 @@ def shown() -> dict[str, Any]:
         "html": head + "PNG" + rest.partition('"')[2],
         "warnings": notebook.html_of_warnings(film),
         "repr": film._repr_html_().count("<"),
-        "error": str(film_of().error),
-        "error as html": film_of().error._repr_html_()
-        if hasattr(film_of().error, "_repr_html_")
-        else "",
     }
 
 

@@ -249,8 +249,7 @@ def _estimate(means: np.ndarray, counts: np.ndarray, shares_paths: bool) -> dict
     figure = error.figure
     quantiles = [float(figure.quantile(p)) for p in (0.03, 0.5, 0.84, 0.999)]
     below = [error.relrmse_below(p) for p in (0.6, 0.95)]
-    lines = [str(error), getattr(error, "_repr_html_", str)()]
-    return {**described(error), "quantiles": quantiles, "below": below, "lines": lines}
+    return {**described(error), "quantiles": quantiles, "below": below}
 
 
 def bars() -> dict[str, Any]:

@@ -301,7 +301,7 @@ def stopped() -> dict[str, Any]:
 
 def _without_times(value: Any) -> Any:
     """Of a checkpoint: no seconds, no digests of this machine's code."""
-    left_out = ("seconds", "fingerprint", "time", "tables", "version")
+    left_out = ("seconds", "fingerprint", "time", "tables", "version", "machine")
     if isinstance(value, dict):
         return {k: _without_times(v) for k, v in value.items() if k not in left_out}
     if isinstance(value, list):
