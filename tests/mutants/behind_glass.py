@@ -146,4 +146,17 @@ BEHIND_GLASS = (
         (("[self.behind_glass, self._look_off_surfaces()]", "[self.behind_glass]"),),
         f"{SURFACES}::test_only_a_promise_looks_for_it",
     ),
+    Mutant(
+        "lamps in glass as large as without it",
+        "rendering/light_behind_glass.py",
+        (("wider * chosen / safe", "chosen / safe"),),
+        "tests/known_error/test_magnified_lamps.py::test_a_slab_lifts_a_lamp",
+    ),
+    Mutant(
+        "lamps in glass as bright as without it",
+        "rendering/light_behind_glass.py",
+        (("value * (wider / index / safe)", "value * (wider / safe)"),),
+        "tests/known_error/test_magnified_lamps.py"
+        "::test_a_ball_shows_a_lamp_inside_by_the_formula_of_one_refracting_surface[0.0]",
+    ),
 )
