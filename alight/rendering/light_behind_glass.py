@@ -17,9 +17,10 @@ missing.
 
 Holes and `null` are passed with the probability that they are open. So is glass that is not quite
 smooth, where a sample of its material is: it spreads light, and q is the larger for that. But the
-way stays straight, and clear glass mirrors nothing. What comes by way of mirrors, or from a second
-matte surface, is looked for by paths from the lamps (`alight.rendering.light_off_mirrors`). The
-pilot tells whether such light matters, not exactly how much of it there is.
+way stays straight, and clear glass mirrors nothing; how large and how bright it shows a lamp, three
+refracted rays tell. What comes by way of mirrors, or from a second matte surface, is looked for by
+paths from the lamps (`alight.rendering.light_off_mirrors`). The pilot tells whether such light
+matters, not exactly how much of it there is.
 """
 
 from __future__ import annotations

@@ -137,7 +137,7 @@ BEHIND_GLASS = (
     Mutant(
         "radiance that stays concentrated where light leaves glass",
         "rendering/pilot_rays.py",
-        (("self.weight * (self.index**2)[:, None]", "self.weight"),),
+        (("self.weight * (self.squares**2)[:, None]", "self.weight"),),
         f"{SURFACES}::test_what_clear_glass_turns_first_is_left_to_the_other_pilot_and_keeps_its_power",
     ),
     Mutant(
