@@ -95,12 +95,12 @@ class Pilot:
         pdf = np.where(there, np.nan_to_num(wide(s.pdf, n).astype(np.float64)), 0.0)
         weight = np.nan_to_num(columns_of(lanes_of(s.weight, n)))
         d, flags = lanes_of(self.twin(to_world)(surface, s.wi), n), wide(s.flags, n)
-        index = np.ones(n)
+        squares = np.ones(n)
         if refracts(self.program):
             square = self.twin(squared_index)
             beyond, before = (wide(square(self.at(times), surface, w), n) for w in (s.wi, wo))
-            index = np.where((flags & NULL) == 0, beyond / before.astype(np.float64), 1.0)
-        return Turns(d=d, weight=weight, pdf=pdf, flags=flags, index=index)
+            squares = np.where((flags & NULL) == 0, beyond / before.astype(np.float64), 1.0)
+        return Turns(d=d, weight=weight, pdf=pdf, flags=flags, squares=squares)
 
     def leave(self, surface: Surface, d: Vec3) -> Vec3:
         """Where rays along d start at surfaces."""
@@ -111,14 +111,14 @@ class Pilot:
 class Turns(NamedTuple):
     """Samples of materials: d in the world, weight (n, 3), pdf per steradian, flags.
 
-    `index` is the square of the index of refraction where the sample goes, over that where it was.
+    `squares` is the square of the index of refraction where a sample goes, over that where it was.
     """
 
     d: Vec3
     weight: np.ndarray
     pdf: np.ndarray
     flags: np.ndarray
-    index: np.ndarray
+    squares: np.ndarray
 
     @property
     def reversed_weight(self) -> np.ndarray:
@@ -126,12 +126,12 @@ class Turns(NamedTuple):
 
         Radiance is concentrated in glass (Veach 1997, section 5.2).
         """
-        return self.weight * (self.index**2)[:, None]
+        return self.weight * (self.squares**2)[:, None]
 
     @property
     def spreading(self) -> np.ndarray:
         """By what refraction multiplies the étendue of light that goes this way."""
-        return 1.0 / self.index
+        return 1.0 / self.squares
 
     @property
     def holes(self) -> np.ndarray:

@@ -7,8 +7,12 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.rendering.light_off_mirrors import light_off_mirrors
 from alight.rendering.light_off_surfaces import light_off_surfaces
-from alight.rendering.pilot_rays import POINTS
+from alight.rendering.main_loop import job_of
+from alight.rendering.pilot_rays import POINTS, Pilot, seen_points
+from alight.rendering.schedules.schedule import Uniform
+from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise, judge_means
 from alight.scene import flatten
 
@@ -98,6 +102,26 @@ def test_a_satin_bulb_keeps_the_power_of_its_lamp():
     assert 0.8 * light < found[:, 2].sum() / POINTS < 1.05 * light
 
 
+def test_what_clear_glass_turns_first_is_left_to_the_other_pilot_and_keeps_its_power():
+    """Radiance falls where light leaves glass, and its étendue grows."""
+    ball = {
+        "shape": {"type": "sphere", "radius": 0.02},
+        "bsdf": {"type": "dielectric"},
+        "transform": {"translate": [0, 0, HEIGHT - CLOSE]},
+    }
+    # What the ball mirrors inside meets the black lamp again, or this, and not the floor.
+    shade = {
+        "shape": {"type": "sphere", "radius": 0.015, "center": [0, 0, HEIGHT - 1.8 * CLOSE]},
+        "bsdf": {"type": "diffuse", "reflectance": 0},
+    }
+    flat = flatten(room(ball=ball, shade=shade))
+    scene = compile_scene(flat)
+    assert light_off_surfaces(flat, scene) is None
+    pilot = Pilot(scene, np.random.default_rng(0))
+    table = light_off_mirrors(flat, scene, seen_points(pilot), pilot.random)
+    assert 0.8 < table[:, 2].sum() / POINTS / of_card()[0] < 1.1
+
+
 @pytest.mark.parametrize(
     "changes",
     [
@@ -121,3 +145,19 @@ def test_a_picture_that_no_such_light_has_met_is_not_promised():
     assert not judge_means(means, counts, asked, behind=behind).met
     # The same light is a small part of a bright picture.
     assert judge_means(means * 100.0, counts, asked, behind=behind).met
+
+
+class Clock:
+    def lap(self, name):
+        pass
+
+
+def test_only_a_promise_looks_for_it():
+    flat = flatten(room())
+    scene = compile_scene(flat)
+    options = {"seed": 3, "threads": 1, "replicates": 4}
+    promised = job_of(flat, scene, Steered(16, 64, Promise(0.1)), Clock(), **options)
+    assert np.array_equal(promised.rounds[0].behind_glass, light_off_surfaces(flat, scene))
+    # A cap's pilot has samples of its own.
+    assert promised.behind_glass is None
+    assert job_of(flat, scene, Uniform(4, 4), Clock(), **options).rounds[0].behind_glass is None

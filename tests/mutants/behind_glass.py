@@ -4,6 +4,7 @@ from tests.mutants.mutant import Mutant
 
 GLASS = "tests/known_error/test_light_behind_glass.py"
 MIRRORS = "tests/known_error/test_light_off_mirrors.py"
+SURFACES = "tests/known_error/test_light_off_surfaces.py"
 PLANS = "tests/known_error/test_laws_of_plans.py"
 
 BEHIND_GLASS = (
@@ -120,5 +121,42 @@ BEHIND_GLASS = (
             ),
         ),
         "tests/metrics/test_what_is_promised.py::test_a_promise_takes_an_interval[3]",
+    ),
+    Mutant(
+        "small bright surfaces as bright as their lamp",
+        "rendering/light_off_surfaces.py",
+        (("both = np.where(light.turned, 0.0, led) +", "both = 0.0 * led +"),),
+        f"{SURFACES}::test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_large",
+    ),
+    Mutant(
+        "small bright surfaces in what mirrors and glass turn first",
+        "rendering/light_off_surfaces.py",
+        (("on &= ~(first & turns.sharp", "on &= ~(~first & turns.sharp"),),
+        f"{SURFACES}::test_what_clear_glass_turns_first_is_left_to_the_other_pilot_and_keeps_its_power",
+    ),
+    Mutant(
+        "radiance that stays concentrated where light leaves glass",
+        "rendering/pilot_rays.py",
+        (("self.weight * (self.squares**2)[:, None]", "self.weight"),),
+        f"{SURFACES}::test_what_clear_glass_turns_first_is_left_to_the_other_pilot_and_keeps_its_power",
+    ),
+    Mutant(
+        "promises that forget small bright surfaces",
+        "rendering/job.py",
+        (("[self.behind_glass, self._look_off_surfaces()]", "[self.behind_glass]"),),
+        f"{SURFACES}::test_only_a_promise_looks_for_it",
+    ),
+    Mutant(
+        "lamps in glass as large as without it",
+        "rendering/light_behind_glass.py",
+        (("wider * chosen / safe", "chosen / safe"),),
+        "tests/known_error/test_magnified_lamps.py::test_a_slab_lifts_a_lamp",
+    ),
+    Mutant(
+        "lamps in glass as bright as without it",
+        "rendering/light_behind_glass.py",
+        (("value * (wider / index / safe)", "value * (wider / safe)"),),
+        "tests/known_error/test_magnified_lamps.py"
+        "::test_a_ball_shows_a_lamp_inside_by_the_formula_of_one_refracting_surface[0.0]",
     ),
 )
