@@ -23,14 +23,8 @@ from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.registry import versions
 from alight.scene import FlatScene, Scene, flatten
 from alight.scene.description import Node
-from alight.scene.flatten import (
-    PlacedCamera,
-    camera_part,
-    content_parts,
-    described,
-    hash_of,
-    place_camera,
-)
+from alight.scene.flatten import PlacedCamera, place_camera
+from alight.scene.hashing import camera_part, content_parts, described, hash_of
 
 
 @dataclass(frozen=True)
@@ -118,7 +112,7 @@ def compiled_of(
         last: Compiled | None = memory.held
         found = None if last is None or last.layers != layers else _from_last(last, scene)
         if found is None:
-            flat = flatten(scene)
+            flat = flatten(scene, last.flat if last and _name_the_same(last.scene, scene) else None)
             lap("load")
             kept = Kept() if last is None else last.kept
             found = Compiled.of(scene, flat, layers, threads, kept)
@@ -146,6 +140,13 @@ def _from_last(last: Compiled, scene: Scene) -> Compiled | None:
     ):
         return None
     return replace(last.seen_from(placed), scene=scene)
+
+
+def _name_the_same(a: Scene, b: Scene) -> bool:
+    """Whether all that nodes name is the same in two scenes, but for materials."""
+    names = ("prototypes", "textures", "media", "medium")
+    same = all(_is_same(getattr(a, name), getattr(b, name)) for name in names)
+    return same and a.source.folder == b.source.folder
 
 
 def _differ_by_camera(a: Scene, b: Scene) -> bool:

@@ -41,7 +41,8 @@ from alight.lights.tables import INFO as LIGHT_INFO
 from alight.media.tables import EMISSIVE
 from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
-from alight.scene.flatten import FlatScene, described
+from alight.scene.flatten import FlatScene
+from alight.scene.hashing import described
 from alight.textures.model import TEXTURES
 
 #: The tables that kernels are given; each is a namedtuple of `View`.

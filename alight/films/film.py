@@ -393,4 +393,7 @@ class Film:
 
     _repr_png_ = notebook.png_of
     _repr_html_ = notebook.html_of
-    __repr__ = contents.line_of
+
+    def __repr__(self) -> str:
+        """Say size, samples and replicates, and that there are warnings."""
+        return contents.line_of(self)

@@ -7,7 +7,8 @@ The usual names are exported here::
 
 from alight.core.errors import SceneError
 from alight.scene.description import FilmSettings, Node, Scene
-from alight.scene.flatten import FlatScene, content_hash, flatten
+from alight.scene.flatten import FlatScene, flatten
+from alight.scene.hashing import content_hash
 from alight.scene.keyframes import keyframes
 from alight.scene.manager import SceneManager
 from alight.scene.transform import Transform, look_at, matrix, rotate, scale, translate

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -12,8 +10,8 @@ import numpy as np
 
 from alight.bsdfs.nesting import scatters_inside
 from alight.core.errors import SceneError
-from alight.core.registry import default_of, versions
-from alight.core.spec import Bsdf, Camera, Integrator, Light, Medium, Sampler, Shape, Spec, Texture
+from alight.core.registry import default_of
+from alight.core.spec import Bsdf, Camera, Integrator, Light, Medium, Sampler, Shape, Texture
 from alight.media.coefficients import Coefficients
 from alight.scene import images, volumes
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
@@ -24,7 +22,7 @@ from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.translucent_strands import strand_problems
 from alight.scene.validation import find_problems
-from alight.shapes.arrays import ARRAYS, DISPLACEMENT, TriangleShape, in_words, is_displaced
+from alight.shapes.arrays import TriangleShape
 
 NO_GEOMETRY = -1
 
@@ -116,6 +114,8 @@ class FlatScene:
         Index + 1 of the medium around the camera, or 0.
     notes : list of str
         What had to be changed in pictures.
+    by_node : dict of str to PlacedNode
+        Nodes at the top that came to nothing else than meshes and plain shapes, for the next scene.
     """
 
     shapes: list[PlacedShape]
@@ -132,10 +132,25 @@ class FlatScene:
     media: list[Coefficients] = field(default_factory=list)
     start_medium: int = 0
     notes: list[str] = field(default_factory=list)
+    by_node: dict[str, PlacedNode] = field(default_factory=dict)
 
 
-def flatten(scene: Scene) -> FlatScene:
+class PlacedNode(NamedTuple):
+    """A node at the top of the graph, and the shapes that it came to, each with what it was of."""
+
+    node: Node
+    found: list[tuple[PlacedShape, Bsdf | str | None, Shape]]
+
+
+def flatten(scene: Scene, before: FlatScene | None = None) -> FlatScene:
     """Resolve a scene for the compiler.
+
+    Parameters
+    ----------
+    scene : Scene
+    before : FlatScene, optional
+        Of a scene with the same prototypes, textures and media: what came of nodes that are the
+        same objects is used again.
 
     Raises
     ------
@@ -147,12 +162,14 @@ def flatten(scene: Scene) -> FlatScene:
     if issues:
         raise SceneError([scene.source.located(issue) for issue in issues])
     camera = place_camera(scene)
-    flattener = _Flattener(scene, files, camera.camera.shutter)
+    shutter = camera.camera.shutter
+    same_times = before is not None and before.camera.camera.shutter == shutter
+    flattener = _Flattener(scene, files, shutter, before.by_node if before and same_times else {})
     if scene.environment is not None:
         light = images.resolved(scene.environment, scene.textures, files)
         flattener.environments.append(PlacedLight("environment", light, np.eye(4)))
     for name, node in scene.nodes.items():
-        flattener.place(name, node, None)
+        flattener.place(name, node)
     placed = ((one.name, one.shape, flattener.bsdfs[one.bsdf]) for one in flattener.shapes)
     issues = strand_problems(scene.integrator, placed)
     if issues:
@@ -174,6 +191,7 @@ def flatten(scene: Scene) -> FlatScene:
         media=flattener.media,
         start_medium=start_medium,
         notes=files.notes,
+        by_node=flattener.by_node,
     )
 
 
@@ -184,6 +202,8 @@ class _Flattener:
     scene: Scene
     files: Files
     shutter: tuple[float, float]
+    before: Mapping[str, PlacedNode]
+    by_node: dict[str, PlacedNode] = field(default_factory=dict)
     shapes: list[PlacedShape] = field(default_factory=list)
     lights: list[PlacedLight] = field(default_factory=list)
     environments: list[PlacedLight] = field(default_factory=list)
@@ -194,10 +214,41 @@ class _Flattener:
     _bsdf_index: dict[Bsdf, int] = field(default_factory=dict)
     _bsdf_by_key: dict[str | int | None, int] = field(default_factory=dict)
     _geometry_index: dict[str, int] = field(default_factory=dict)
+    _geometry_of: dict[int, int] = field(default_factory=dict)
 
-    def place(self, path: str, root: Node, bsdf: Bsdf | str | None) -> None:
+    def place(self, name: str, root: Node) -> None:
+        """Place a node at the top, or take what it came to before."""
+        known = self.before.get(name)
+        if known is not None and known.node is root:
+            found = [(self.again(*one), *one[1:]) for one in known.found]
+            self.by_node[name] = PlacedNode(root, found)
+            self.shapes += [placed for placed, _, _ in found]
+            return
+        found, others = [], (len(self.lights), len(self.environments))
+        self.place_tree(name, root, found)
+        # Lights, media and files are looked at anew.
+        if (
+            self.scene.medium is None
+            and others == (len(self.lights), len(self.environments))
+            and all(
+                one.light is None and one.border is None and one.shape is shape
+                for one, _, shape in found
+            )
+        ):
+            self.by_node[name] = PlacedNode(root, found)
+
+    def again(self, placed: PlacedShape, bsdf: Bsdf | str | None, shape: Shape) -> PlacedShape:
+        """A shape where it was, with the numbers that its material and its arrays have now."""
+        index, geometry = self.bsdf_index(bsdf), self.geometry_index(shape)
+        if (index, geometry) == (placed.bsdf, placed.geometry):
+            return placed
+        return placed._replace(bsdf=index, geometry=geometry)
+
+    def place_tree(
+        self, path: str, root: Node, found: list[tuple[PlacedShape, Bsdf | str | None, Shape]]
+    ) -> None:
         """Place a node, what it instances, and its children."""
-        stack = [(path, root, NOWHERE, bsdf, DEFAULT)]
+        stack: list[Any] = [(path, root, NOWHERE, None, DEFAULT)]
         while stack:
             path, node, parent, bsdf, material = stack.pop()
             here = parent.then(node.transform, self.shutter)
@@ -221,6 +272,7 @@ class _Flattener:
                         material=material,
                     )
                 )
+                found.append((self.shapes[-1], bsdf, node.shape))
             elif light is not None:
                 placed = PlacedLight(path, light, here.matrix, here.motion)
                 if light.placement == "environment":
@@ -276,10 +328,13 @@ class _Flattener:
         """Number a mesh's arrays; equal ones share a number."""
         if not isinstance(shape, TriangleShape):
             return NO_GEOMETRY
+        if id(shape) in self._geometry_of:
+            return self._geometry_of[id(shape)]
         found = geometry(shape, self.files)
         index = self._geometry_index.setdefault(found.digest, len(self.geometries))
         if index == len(self.geometries):
             self.geometries.append(found)
+        self._geometry_of[id(shape)] = index
         return index
 
 
@@ -309,86 +364,3 @@ def place_camera(scene: Scene) -> PlacedCamera:
     for node in nodes:
         here = here.then(node.transform, camera.shutter)
     return PlacedCamera(camera, here.matrix, here.motion)
-
-
-def content_hash(scene: Scene | FlatScene) -> str:
-    """SHA-256 over everything that decides the picture, meshes by content, not by file name.
-
-    Names of nodes, materials and files play no part, nor do parts that are not used.
-
-    Raises
-    ------
-    SceneError
-        If the scene cannot be rendered.
-    """
-    flat = flatten(scene) if isinstance(scene, Scene) else scene
-    return hash_of(content_parts(flat))
-
-
-def hash_of(parts: Iterable[bytes]) -> str:
-    """SHA-256 over `content_parts`."""
-    return hashlib.sha256(b"".join(part + b"\n" for part in parts)).hexdigest()
-
-
-def described(flat: FlatScene) -> Iterator[Spec]:
-    """Every description of a model that a scene uses."""
-    yield from (flat.film.filter, flat.sampler, flat.integrator, flat.camera.camera)
-    yield from flat.bsdfs
-    yield from flat.media
-    yield from (placed.shape for placed in flat.shapes)
-    yield from (placed.light for placed in flat.lights)
-    yield from (shape.light for shape in flat.shapes if shape.light is not None)
-    yield from (placed.light for placed in flat.environments)
-
-
-def content_parts(flat: FlatScene) -> Iterator[bytes]:
-    """Everything that decides the picture, in parts; the camera is one of them."""
-    registered = versions(described(flat))
-    if registered:
-        yield repr(registered).encode()
-    for settings in (flat.film, flat.sampler, flat.integrator):
-        yield _content(settings)
-    yield camera_part(flat.camera)
-    yield b"|".join(_placed_content(placed) for placed in flat.environments)
-    for bsdf in flat.bsdfs:
-        yield _content(bsdf)
-    for mesh in flat.geometries:
-        yield mesh.digest.encode()
-    for light in flat.lights:
-        yield _placed_content(light)
-    cached: dict[int, bytes] = {}
-    for shape in flat.shapes:
-        if id(shape.shape) not in cached:
-            cached[id(shape.shape)] = _content(shape.shape)
-        light = b"" if shape.light is None else _content(shape.light)
-        numbers = f"{shape.bsdf} {shape.geometry} ".encode()
-        yield cached[id(shape.shape)] + numbers + light + shape.to_world.tobytes() + _moved(shape)
-    # Nothing where there are no media: pictures from before there were any keep their hash.
-    if flat.media:
-        borders = [shape.border for shape in flat.shapes]
-        yield f"{flat.start_medium} {borders}".encode()
-        yield from (_content(medium) for medium in flat.media)
-
-
-def camera_part(placed: PlacedCamera) -> bytes:
-    """The part of the camera."""
-    return _content(placed.camera) + placed.to_world.tobytes() + _moved(placed)
-
-
-def _placed_content(placed: PlacedLight) -> bytes:
-    return _content(placed.light) + placed.to_world.tobytes() + _moved(placed)
-
-
-def _moved(placed: PlacedShape | PlacedLight | PlacedCamera) -> bytes:
-    """What it does while the shutter is open: nothing where it rests, whatever the shutter."""
-    return b"" if placed.motion is None else placed.motion.content
-
-
-def _content(spec: Spec) -> bytes:
-    """Describe a model without the arrays of meshes, which have a digest of their own."""
-    left_out = (*ARRAYS, "file", "medium", "shutter")
-    # Meshes from before there was any displacement keep their hash.
-    if not is_displaced(spec):
-        left_out += DISPLACEMENT
-    fields = {name: in_words(value) for name, value in spec if name not in left_out}
-    return json.dumps(fields, sort_keys=True).encode()

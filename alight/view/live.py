@@ -75,7 +75,9 @@ class GrowingLayers(FilmLayers):
         """As of any film, but for the picture."""
         if name != PICTURE:
             return super().plane(name)
-        image, empty = self.film.image, self.film.sample_count == 0
+        # The samples first: what comes between is in the image, though not yet told to be there.
+        empty = self.film.sample_count == 0
+        image = self.film.image
         if empty.any():
             y, x = np.nonzero(empty)
             rows, columns = self.small.shape[:2]

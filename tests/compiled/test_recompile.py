@@ -21,6 +21,7 @@ film: {size: [8, 8]}
 environment: {type: constant}
 bsdfs:
   ball: {type: principled, roughness: 0.5}
+  other: {type: diffuse, reflectance: 0.5}
 prototypes:
   water: {shape: {type: mesh, file: "builtin:waves"}, bsdf: ball}
 nodes:
@@ -83,6 +84,9 @@ def bits(tables):
         ({"bsdfs.ball.roughness": 0.2}, True),
         ({"film.size": (16, 8)}, True),
         ({"nodes.two.transform": {"translate": [0, 2, 0]}}, False),
+        ({"nodes.one.bsdf": "other", "nodes.two.transform": []}, False),
+        ({"prototypes.water.bsdf": "other"}, True),
+        ({"bsdfs.other.reflectance": 0.1, "bsdfs.ball": {"type": "diffuse"}}, True),
         ({"environment.radiance": 2.0}, True),
         ({"camera.type": "orthographic"}, True),
         ({"camera.shutter": (0.0, 0.5)}, True),
@@ -131,6 +135,35 @@ def test_copies_and_other_processes_begin_with_nothing():
     for other in (copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         assert other == scene
         assert other.memory.held is None
+
+
+def test_nodes_that_are_the_same_are_placed_once():
+    scene = loads(SCENE)
+    before = flatten(scene)
+    moved = alight.changed(scene, {"nodes.two.transform": {"translate": [0, 2, 0]}})
+    after = flatten(moved, before)
+    assert after.shapes[0] is before.shapes[0]
+    assert after.shapes[1].to_world[1, 3] == 2.0
+    for one, fresh in zip(after.shapes, flatten(copy.deepcopy(moved)).shapes, strict=True):
+        assert np.array_equal(one.to_world, fresh.to_world)
+        assert one[3:] == fresh[3:]
+
+
+def test_nodes_are_placed_anew_where_what_they_name_or_their_times_change():
+    """Media end at bodies, keyframes are seen at the times of the shutter."""
+    scene = loads(SCENE.replace("{instance: water}", "{instance: water, transform: {keyframes: ["
+                                "{time: 0, translate: [0, 0, 0]}, {time: 1, translate: [1, 0, 0]}"
+                                "]}}"))  # fmt: skip
+    recompile.compiled_of(scene, (), 1)
+    for changes in (
+        {"prototypes.water.shape": {"type": "sphere"}},
+        {"camera.shutter": (0.0, 0.5)},
+        {"medium": {"type": "homogeneous"}, "integrator.type": "volpath"},
+        {"bsdfs.ball": {"type": "subsurface"}},
+    ):
+        scene = alight.changed(scene, changes)
+        found = recompile.compiled_of(scene, (), 1)
+        assert found.compiled.content_hash == content_hash(copy.deepcopy(scene))
 
 
 def test_only_the_instance_that_moves_is_put_into_its_place_anew(monkeypatch):

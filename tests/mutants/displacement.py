@@ -57,7 +57,7 @@ DISPLACEMENT = (
     ),
     Mutant(
         "what is displaced has the hash of what is not",
-        "scene/flatten.py",
+        "scene/hashing.py",
         (("    if not is_displaced(spec):\n", "    if True:\n"),),
         f"{TESTS}::test_what_is_displaced_is_told_and_counts_for_the_hash",
     ),

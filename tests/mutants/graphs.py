@@ -8,7 +8,27 @@ GROUND = "tests/compiled/test_ground.py"
 LAYERS = "tests/view/test_layers.py"
 POSE = "tests/view/test_pose.py"
 
+KEPT = "tests/compiled/test_recompile.py"
+
 GRAPHS = (
+    Mutant(
+        "nodes at the times of another shutter",
+        "scene/flatten.py",
+        (("before is not None and before.camera.camera.shutter == shutter", "True"),),
+        f"{KEPT}::test_nodes_are_placed_anew_where_what_they_name_or_their_times_change",
+    ),
+    Mutant(
+        "borders of fog kept while bodies change",
+        "scene/flatten.py",
+        (("self.scene.medium is None", "True"),),
+        f"{KEPT}::test_nodes_are_placed_anew_where_what_they_name_or_their_times_change",
+    ),
+    Mutant(
+        "nodes of other prototypes",
+        "compiled/recompile.py",
+        (('names = ("prototypes", "textures",', 'names = ("textures",'),),
+        f"{KEPT}::test_nodes_are_placed_anew_where_what_they_name_or_their_times_change",
+    ),
     Mutant(
         "a camera that stands in the fog of the scene, whatever it says",
         "scene/flatten.py",
@@ -44,7 +64,7 @@ GRAPHS = (
     ),
     Mutant(
         "a hash of a scene without its lamps",
-        "scene/flatten.py",
+        "scene/hashing.py",
         (
             (
                 "cached[id(shape.shape)] + numbers + light + shape",

@@ -9,7 +9,8 @@ import pytest
 import alight
 from alight.core.errors import SceneError
 from alight.formats.native import save
-from alight.scene.flatten import content_hash, flatten
+from alight.scene.flatten import flatten
+from alight.scene.hashing import content_hash
 from alight.shapes import curves
 from alight.shapes.strand_rows import AFTER, BEFORE, IS_BALL, TEXTURE
 from alight.shapes.strands import segments

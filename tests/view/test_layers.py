@@ -64,3 +64,19 @@ def test_pixels_without_a_sample_show_the_small_picture(size):
     shown = GrowingLayers(Film(width, height), small).plane(PICTURE)
     for y, x in np.ndindex(height, width):
         np.testing.assert_array_equal(shown[y, x], small[y // COARSER, x // COARSER])
+
+
+def test_samples_that_come_while_a_picture_is_painted_leave_no_holes():
+    """The film grows in other threads: here, as soon as its picture or its counts were read."""
+
+    class Growing(Film):
+        def grown(self, read):
+            self.counts[:] += 1
+            self.sums[..., 0] += 256
+            return read
+
+        image = property(lambda self: self.grown(Film.image.fget(self)))
+        sample_count = property(lambda self: self.grown(Film.sample_count.fget(self)))
+
+    small = np.full((2, 2, 3), 0.5, np.float32)
+    assert (GrowingLayers(Growing(8, 8), small).plane(PICTURE) > 0.0).all()
