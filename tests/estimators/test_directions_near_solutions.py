@@ -20,31 +20,28 @@ from lanewise.jit import instantiate
 N = 1 << 15
 
 
-def solution(rng):
-    """An ellipse of random axes in the plane across a random direction, both (float)."""
-    w = rng.normal(size=3)
-    w /= np.linalg.norm(w)
-    axes, angle = WIDEST * rng.uniform(0.3, 0.99, 2), rng.uniform(0.0, np.pi)
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    form = turn @ np.diag(axes**-2.0) @ turn.T
+def solution(rng, bend):
+    """A bent ellipse of random axes in the plane across a random direction, both (float)."""
+    w, axis = np.linalg.qr(rng.normal(size=(3, 2)))[0].T
+    axes = WIDEST * rng.uniform(0.3, 0.99, 2)
     density = 1.0 / (np.pi * MARGIN**2 * axes.prod())
-    numbers = (form[0, 0], form[0, 1], form[1, 1], density)
-    return w, form, Solution(Vec3(*np.float32(w)), *map(np.float32, numbers))
+    numbers = (*axes**-2.0, bend, density)
+    vectors = (Vec3(*np.float32(v)) for v in (w, axis))
+    return w, axes, Solution(*vectors, *map(np.float32, numbers))
 
 
-def solid_angle(form):
-    """Of all directions whose place (u, v) has the form at most MARGIN^2, by cos^3 dA."""
-    root = MARGIN * np.linalg.inv(np.linalg.cholesky(form).T)
+def directions(axes, bend):
+    """Places (u, v) of the larger ellipse, and parts of its area."""
     r, phi = np.meshgrid((np.arange(400) + 0.5) / 400, (np.arange(400) + 0.5) / 400 * 2.0 * np.pi)
-    u, v = np.tensordot(root, np.stack([r * np.cos(phi), r * np.sin(phi)]), 1)
-    weight = r * 2.0 * np.pi / 400**2 * np.linalg.det(root)
-    return float((weight * (1.0 + u * u + v * v) ** -1.5).sum())
+    u, v = MARGIN * axes[0] * r * np.cos(phi), MARGIN * axes[1] * r * np.sin(phi)
+    return u, v - bend * u * u, r * 2.0 * np.pi / 400**2 * MARGIN**2 * axes.prod()
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_mean_of_one_over_the_density_is_the_solid_angle(seed):
+@pytest.mark.parametrize("bend", [0.0, 3.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_the_mean_of_one_over_the_density_is_the_solid_angle(seed, bend):
     rng = np.random.default_rng(seed)
-    w, form, end = solution(rng)
+    w, axes, end = solution(rng, bend)
     u2 = tuple(rng.random(N, np.float32) for _ in range(2))
     drawn = instantiate(draw_near, compiled=False)(end, u2)
     q, density = instantiate(place_near, compiled=False)(end, drawn)
@@ -56,10 +53,17 @@ def test_the_mean_of_one_over_the_density_is_the_solid_angle(seed):
     share = q[inside] / MARGIN**2
     assert abs(share.mean() - 0.5) < LARGEST_Z * np.sqrt(1.0 / 12.0 / N)
     values = 1.0 / density[inside].astype(float)
-    z = (values.mean() - solid_angle(form)) / (values.std() / np.sqrt(N))
+    u, v, area = directions(axes, bend)
+    # Of all directions with a place (u, v): cos^3 dA.
+    solid_angle = float((area * (1.0 + u * u + v * v) ** -1.5).sum())
+    z = (values.mean() - solid_angle) / (values.std() / np.sqrt(N))
     assert abs(z) < LARGEST_Z
-    # All around, and about the middle: the mean place is w, turned aside by nothing.
-    assert np.linalg.norm(np.cross(rows.mean(axis=1), w)) < LARGEST_Z * WIDEST / np.sqrt(N)
+    # All around, and about the middle: the mean place is that of the ellipse.
+    axis = np.array([end.axis.x, end.axis.y, end.axis.z], float)
+    x, y = (rows.T @ e / (rows.T @ w) for e in (axis, np.cross(w, axis)))
+    middle = (v * area).sum() / area.sum()
+    assert abs(x.mean()) < LARGEST_Z * x.std() / np.sqrt(N)
+    assert abs(y.mean() - middle) < LARGEST_Z * y.std() / np.sqrt(N)
     # One power of the cosine more or less would be found.
     assert abs(np.mean(rows.T @ w) - 1.0) * values.mean() > LARGEST_Z * values.std() / np.sqrt(N)
 
@@ -67,7 +71,7 @@ def test_the_mean_of_one_over_the_density_is_the_solid_angle(seed):
 @pytest.mark.parametrize("part", [0.2, 0.7, 1.5])
 def test_a_search_is_taken_by_its_density_over_the_largest(part):
     """Those that draw the direction with more than the largest density are refused in part."""
-    _, _, end = solution(np.random.default_rng(7))
+    _, _, end = solution(np.random.default_rng(7), 0.0)
     rng = np.random.default_rng(8)
     words = tuple(rng.integers(0, 1 << 32, N, dtype=np.uint32) for _ in range(2))
     none = np.zeros(N, np.uint32)

@@ -265,13 +265,25 @@ MANIFOLDS = (
             ),
         ),
         "tests/estimators/test_directions_near_solutions.py"
-        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",
+        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0-0.0]",
     ),
     Mutant(
-        "an ellipse that leans the other way",
+        "directions about a solution on the other side of its bend",
         "integrators/caustics/manifold_walk.py",
-        (("u = (MARGIN * x - mixed * v) / first", "u = (MARGIN * x + mixed * v) / first"),),
+        (("sqrt(solution.across) - solution", "sqrt(solution.across) + solution"),),
         "tests/estimators/test_directions_near_solutions.py"
-        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0]",
+        "::test_the_mean_of_one_over_the_density_is_the_solid_angle[0-3.0]",
+    ),
+    Mutant(
+        "ellipses that leave the ring of their solutions straight on",
+        "integrators/caustics/manifold_walk.py",
+        (("bend = step / (axes.look * axes.look)", "bend = 0.0 * step"),),
+        "tests/estimators/test_walks_to_lamps.py::test_an_ellipse_bends_with_a_ring_of_solutions",
+    ),
+    Mutant(
+        "ellipses that do not end where the ring of their solutions is no parabola",
+        "integrators/caustics/manifold_walk.py",
+        (("minimum(minimum(by_rest, by_bend), LONGEST_AXIS)", "LONGEST_AXIS + 0.0 * by_rest"),),
+        "tests/estimators/test_walks_to_lamps.py::test_an_ellipse_bends_with_a_ring_of_solutions",
     ),
 )

@@ -23,6 +23,8 @@ from alight.integrators.caustics.chain_types import MOST_EVENTS
 from alight.integrators.caustics.manifold_walk import (
     LEAST_SHARE,
     MOST_TRIES,
+    axes_of,
+    bent_by,
     direction_at,
     draw_near,
     is_near,
@@ -32,6 +34,7 @@ from alight.integrators.caustics.manifold_walk import (
     solution_at,
     starting_at,
     step_from,
+    straight,
     updated,
 )
 from alight.integrators.caustics.specular_chain import Plan, Start, follow
@@ -56,7 +59,7 @@ from lanewise.simd import (
 )
 
 #: Stages of a search.
-SEED, GIVEN, BY_U, BY_V, TRY, BY_U_AGAIN, BY_V_AGAIN, HIT, ENDED = range(9)
+SEED, GIVEN, BY_U, BY_V, TRY, BY_U_AGAIN, BY_V_AGAIN, AHEAD, BEHIND, HIT, ENDED = range(11)
 #: Pairs of random numbers of a search: those of the BSDF and of the direction near the solution,
 #: then one an event.
 OWN_PAIRS = 3
@@ -141,6 +144,7 @@ def search_lamps(scene, search, begin):
     first, second = no_solution(), no_solution()
     type, found = begin.type, lanes_vec3(0.0)
     drawn, late, rays, edges = w, begin.given, 0, lanes_u32(0)
+    open_ahead = lanes_mask(False)
     target = search.target
     distance = maximum(length(way_to(target, o)), 1e-20)
     size = 0.5 * radius_at(target, distance) / distance
@@ -151,8 +155,11 @@ def search_lamps(scene, search, begin):
         at_u = (stage == BY_U) | (stage == BY_U_AGAIN)
         at_v = (stage == BY_V) | (stage == BY_V_AGAIN)
         trying = stage == TRY
-        u = walker.u + where(trying, walker.share * walker.du, where(at_u, h, 0.0))
-        v = walker.v + where(trying, walker.share * walker.dv, where(at_v, h, 0.0))
+        ahead, behind = stage == AHEAD, stage == BEHIND
+        axes = axes_of(walker)
+        aside = where(ahead, axes.look, where(behind, -axes.look, 0.0))
+        u = walker.u + where(trying, walker.share * walker.du, where(at_u, h, aside * axes.x))
+        v = walker.v + where(trying, walker.share * walker.dv, where(at_v, h, aside * axes.y))
         w = direction_at(walker, u, v)
         first_pair = search.first + OWN_PAIRS
         plan = Plan(type, stage == SEED, stage == HIT, search.stream, first_pair, search.most)
@@ -208,9 +215,16 @@ def search_lamps(scene, search, begin):
         walker = replace(walker, du=where(going, du, walker.du), dv=where(going, dv, walker.dv))
         next_stage = where(going, lanes_u32(TRY), next_stage)
 
-        # Solutions.
-        solved = known & ~going
-        solution = solution_at(walker)
+        # Solutions: of slender ones it is asked how they are bent.
+        solved, axes = known & ~going, axes_of(walker)
+        asked = solved & axes.slender
+        next_stage = where(asked, lanes_u32(AHEAD), next_stage)
+        walker = replace(walker, ahead=where(ahead, seen.miss, walker.ahead))
+        open_ahead = (open_ahead & ~ahead) | (ahead & fine)
+        next_stage = where(ahead, lanes_u32(BEHIND), next_stage)
+        bent = bent_by(walker, axes, seen.miss, fine & open_ahead)
+        solution = solution_at(walker, axes, where(behind, bent, straight()))
+        solved = (solved & ~asked) | behind
         second = where(solved & late, solution, second)
         first = where(solved & ~late, solution, first)
         draws = solved & ~late & ~begin.once & (solution.density > 0.0)
