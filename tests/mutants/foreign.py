@@ -9,6 +9,7 @@ MITSUBA_COLORS = (
 )
 
 GLTF = "tests/formats/gltf/test_every_key_counts.py"
+NUMBERS = "tests/formats/pbrt/test_single_numbers.py"
 
 FOREIGN = (
     Mutant(
@@ -184,5 +185,29 @@ FOREIGN = (
         (('elif below is not None and self.bsdf["clearcoat"] != 0.0:', "elif False:"),),
         "tests/formats/test_normals_of_coats.py"
         "::test_coats_of_gltf_are_smooth_without_a_texture_of_their_own",
+    ),
+    Mutant(
+        "numbers of pbrt that are the luminance of pictures with holes",
+        "formats/pbrt/single_numbers.py",
+        (("if not old and kind in INTERPOLATING and image.alpha is not None:", "if False:"),),
+        f"{NUMBERS}::test_numbers_of_pictures_are_those_of_pbrt[RGBA-sRGB]",
+    ),
+    Mutant(
+        "numbers of pbrt 4 that are the red of coloured pictures",
+        "formats/pbrt/single_numbers.py",
+        (("linear.mean(axis=2) if kind in INTERPOLATING", "linear[..., 0] if kind"),),
+        f"{NUMBERS}::test_numbers_of_pictures_are_those_of_pbrt[RGB-linear]",
+    ),
+    Mutant(
+        "numbers of pbrt 3 that are decoded before they are weighed",
+        "formats/pbrt/single_numbers.py",
+        (("    if old:\n", "    if False:\n"),),
+        f"{NUMBERS}::test_numbers_of_pictures_are_those_of_pbrt[RGB-sRGB]",
+    ),
+    Mutant(
+        "shapes of pbrt 3 with half of a hole",
+        "formats/pbrt/textures.py",
+        (("if not self.context.old or alpha is None:", "if True:"),),
+        f"{NUMBERS}::test_in_pbrt_3_only_an_alpha_of_nought_is_a_hole",
     ),
 )

@@ -12,19 +12,23 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from alight.core.constants import LUMINANCE
-from alight.core.errors import join_path, quote, unknown_name
+from alight.core.errors import SceneError, join_path, quote, unknown_name
 from alight.formats.materials.textures import CHECKERED, FLAT, MISSING
 from alight.formats.pbrt.colors import KINDS, Role
 from alight.formats.pbrt.context import Context, Data
 from alight.formats.pbrt.directives import Directive, Parameter
 from alight.formats.pbrt.parameters import Parameters
+from alight.formats.pbrt.single_numbers import numbers_in
 from alight.formats.reading.reach import OutOfReachError
+from alight.scene import images
 
 #: A colour, or the name of a texture.
 Value = list[float] | str
 MOST_LEVELS = 24
 GREY = [0.5] * 3
 _WHITE, _BLACK = [1.0] * 3, [0.0] * 3
+#: What is above 0 as float32 counts them.
+_ABOVE_ZERO = 1e-30
 
 
 @dataclass(eq=False)
@@ -104,6 +108,15 @@ class Source:
             return self.p.number(name, default or 0.0)
         value = self._texture(found, None)
         return sum(value) / 3.0 if isinstance(value, list) else value or default
+
+    def opacity(self) -> float | str | Data | None:
+        """Ask for the ``alpha`` of a shape; in pbrt 3 what is not 0 is opaque."""
+        alpha = self.number("alpha", None)
+        if not self.context.old or alpha is None:
+            return alpha
+        if isinstance(alpha, str):
+            return {"type": "threshold", "texture": alpha, "cutoff": _ABOVE_ZERO}
+        return float(alpha != 0.0)
 
     def share(self, name: str) -> float | str:
         """Ask for a share; pbrt 3 also has colours, of which alight takes one share for all."""
@@ -333,8 +346,26 @@ def _imagemap(source: Source) -> Value:
     picture = bitmap(source, data)
     if picture is None:
         return list(GREY)
+    if p.directive.texts[1] == "float":
+        _take_numbers(source.context, source.context.tables["textures"][picture], kind)
     value = product(source, picture, [scale] * 3)
     return mixture(source, _WHITE, _BLACK, value) if inverted and isinstance(value, str) else value
+
+
+def _take_numbers(context: Context, data: Data, kind: str) -> None:
+    """Put the numbers of a coloured picture into its place."""
+    space = data.get("color_space", "auto")
+    if "file" not in data:
+        return
+    try:
+        image = images.picture(data["file"], context.reach.files, data=space == "linear")
+    except SceneError:
+        # It is told of when the scene is compiled.
+        return
+    found = numbers_in(image, space, kind, context.old)
+    if found is not None:
+        del data["file"]
+        data["pixels"] = found
 
 
 def mapping(source: Source) -> Data:

@@ -204,7 +204,7 @@ class World(Attributes):
         p = Parameters(directive, context.report, self.defaults("shape"))
         bound = textures.bind(context, [*p.named.values()], state.textures, numbers=True)
         bsdf: str | Data = material_name(context, state.material, self.named)
-        alpha = Source(context, p, bound).number("alpha", None)
+        alpha = Source(context, p, bound).opacity()
         light, both = self.light_of_shape(directive)
         textured = context.holds((bsdf, alpha, light), sees_coordinates)
         sides = (state.reverse, swaps_handedness(state.matrix))
@@ -213,8 +213,8 @@ class World(Attributes):
         p.finish()
         if shape is None:
             return
-        if isinstance(alpha, str) or (alpha is not None and alpha < 1.0):
-            opacity = alpha if isinstance(alpha, str) else max(alpha, 0.0)
+        if isinstance(alpha, str | dict) or (alpha is not None and alpha < 1.0):
+            opacity = alpha if isinstance(alpha, str | dict) else max(alpha, 0.0)
             bsdf = {"type": "mask", "opacity": opacity, "bsdf": bsdf}
         node: Data = {"shape": shape, "bsdf": bsdf, **self.media.sides(state.media, shape)}
         if alpha is not None and "interior" in node:

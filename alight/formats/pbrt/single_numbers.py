@@ -1,0 +1,53 @@
+"""The numbers that pbrt finds in a coloured picture, where a texture of type ``float`` names one.
+
+pbrt 4 interpolates the opacity of a picture that has one, which passes through the curve of the
+encoding as colours do, and else the mean of the three channels. What it does not interpolate
+(``point``, and ``EWA``, which adds texels up) is red. pbrt 3 takes the luminance of what the file
+holds, and decodes that; opacity plays no part. Both take grey pictures as they are, and drop the
+opacity beside a single channel.
+
+Source: pbrt 4, ``MIPMap::Bilerp`` and ``MIPMap::Texel``; pbrt 3, ``ImageTexture::convertIn``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from alight.core.constants import LUMINANCE
+from alight.core.srgb import decode_srgb
+from alight.textures.images import Image
+
+#: Filters of pbrt 4 that interpolate between texels.
+INTERPOLATING = ("bilinear", "trilinear")
+
+
+def numbers_in(image: Image, color_space: str, kind: str, old: bool) -> Image | None:
+    """The picture of numbers in place of a coloured one; None where that shows the same.
+
+    Parameters
+    ----------
+    image : Image
+    color_space : {"auto", "linear"}
+        How its texels are encoded, as of `alight.textures.bitmap.Bitmap`.
+    kind : str
+        The filter.
+    old : bool
+        Whether the file is one of pbrt 3.
+    """
+    texels = image.texels
+    if texels.shape[2] == 1:
+        return None
+    is_grey = bool((texels == texels[..., :1]).all())
+    if not old and kind in INTERPOLATING and image.alpha is not None:
+        return _grey(Image(image.alpha[..., None]).linear(color_space)[..., 0])
+    if is_grey:
+        return None
+    if old:
+        encoded = texels.astype(np.float64) @ np.array(LUMINANCE) / image.levels
+        return _grey(decode_srgb(encoded) if image.is_encoded(color_space) else encoded)
+    linear = image.linear(color_space)
+    return _grey(linear.mean(axis=2) if kind in INTERPOLATING else linear[..., 0])
+
+
+def _grey(values: np.ndarray) -> Image:
+    return Image(np.ascontiguousarray(values[..., None], np.float32))
