@@ -7,6 +7,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
+from alight.rendering.schedules.chance import Chance
 
 import alight
 from alight.cluster import addresses, files
@@ -21,7 +22,6 @@ from alight.lab.why.shares import TECHNIQUES, Part, Shares, relative_weights
 from alight.lab.why.trials import Trial, alternatives
 from alight.metrics.estimate import Estimate
 from alight.rendering import plan as plans
-from alight.rendering.schedules.chance import Chance
 from alight.rendering.schedules.stopping import Promise
 from tests.recorded.cases.renders import FILES, SCENE
 from tests.recorded.making import command, described, in_folder, outcome, rows
