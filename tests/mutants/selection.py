@@ -42,6 +42,9 @@ FOLDERS = {
     "view": "view outputs rendering",
 }
 
+#: Answers are recorded of every part.
+RECORDED = "recorded"
+
 #: Tests of the project rather than of its numbers, and those that need the files as they are.
 ELSEWHERE = {"cli", "determinism", "docs", "mutants", "static"}
 
@@ -53,7 +56,7 @@ def select_tests(root: Path, file: str) -> tuple[list[str], list[str]]:
     # Readers of one format have a folder of tests, which call them by the names of files.
     own = root / "tests" / Path(file).parent if file.count("/") > 1 else None
     near = {path for path in files if module in _imports(root, path) or path.parent == own}
-    folders = FOLDERS[file.partition("/")[0]].split()
+    folders = [RECORDED, *FOLDERS[file.partition("/")[0]].split()]
     telling = sorted(near, key=lambda path: (_place(files[path], folders), path))
     far = [
         path

@@ -1,6 +1,7 @@
 """What a film says of its sums: means, errors, intervals, masks, ranks, ranges, archives."""
 
 import tempfile
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 
@@ -61,8 +62,8 @@ def read(film: Film) -> dict[str, object]:
         "mean": film.mean, "error": film.standard_error, "image": ends_of(film.image),
         "low": ends_of(bars.low), "high": ends_of(bars.high), "unsure": film.unsure.sum(),
         "counts": ends_of(film.sample_count), "spp": film.spp, "means": ends_of(means),
-        "counts of replicates": ends_of(counts), "relmse": str(estimate),
-        "cells": film.cells if isinstance(film.cells, list) else str(film.cells)[:4000],
+        "counts of replicates": ends_of(counts), "relmse": asdict(estimate),
+        "cells": [str(cell) for cell in film.cells.ravel()],
         **{name: ends_of(film.aov(name)) for name in ("direct", "normal", "depth", "id", "alpha")},
     }  # fmt: skip
 
@@ -117,7 +118,7 @@ def summed() -> dict[str, object]:
         "limbs": ends_of(limbs), "floats": ends_of(fixed_point.to_float(limbs)),
         "mean": mean, "error": error, "pixels": statistics.pixel_mean(limbs, counts),
         "biases": [bias.state() | {"line": bias.line} for bias in (*biases, other)],
-        "joined": [str(bias) for bias in ledger.joined([biases, [other], biases])],
+        "joined": [bias.line for bias in ledger.joined([biases, [other], biases])],
     }  # fmt: skip
 
 

@@ -90,13 +90,7 @@ endsolid sheet
 
 def arrays(mesh: object) -> dict[str, object]:
     """The arrays of a mesh that it has."""
-    fields = (
-        mesh
-        if isinstance(mesh, dict)
-        else vars(mesh)
-        if hasattr(mesh, "__dict__")
-        else mesh._asdict()
-    )
+    fields = mesh._asdict() if hasattr(mesh, "_asdict") else vars(mesh)
     return {name: value for name, value in fields.items() if isinstance(value, np.ndarray)}
 
 
@@ -157,12 +151,6 @@ def files() -> dict[str, object]:
             answer[f"serialized {version}.{index}"] = arrays(found.arrays) | {
                 "flat": found.face_normals
             }
-    content = obj.parse(OBJ)
-    answer["content"] = (
-        {key: str(value) for key, value in sorted(vars(content).items())}
-        if hasattr(content, "__dict__")
-        else str(content)
-    )
     return answer
 
 
@@ -198,12 +186,6 @@ def cut() -> dict[str, object]:
 
 def triangles() -> dict[str, object]:
     """Triangles refined, coloured, with normals and a volume."""
-    mesh = polygons.triangulated(box())
-    faces = (
-        arrays(mesh)["faces"]
-        if "faces" in arrays(mesh)
-        else np.concatenate(FACES[5:]).reshape(-1, 3)
-    )
     octahedron = np.array(
         [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
     )
@@ -216,7 +198,7 @@ def triangles() -> dict[str, object]:
     painted = np.float32([[0.1, 0.2, 0.3], [0.1, 0.2, 0.3], [0.9, 0.2, 0.4], [0.9, 0.2, 0.4]])
     sheet = stl.read(STL)
     return {
-        "faces": faces, "limit": list(limit), "border": [ends_of(table) for table in edge],
+        "limit": list(limit), "border": [ends_of(table) for table in edge],
         "normals": vertex_normals(vertices.astype(np.float32), octahedron.astype(np.int32)),
         "volume": enclosed_volume(vertices.astype(np.float32), octahedron.astype(np.int32)),
         "painted": arrays(with_face_colors(sheet, painted[1:3])),

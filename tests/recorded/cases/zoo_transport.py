@@ -125,6 +125,7 @@ SCENES = {
     "bidirectional-beams": scene(ROOM + PROFILES + PICTURES + BEAMS, integrator="{type: bidirectional, max_depth: 4}", environment=""),
     "bidirectional": integrator("{type: bidirectional, max_depth: 6}"),
     "bidirectional-balance": scene(ROOM + SHAPES + POINTS, integrator="{type: bidirectional, max_depth: 5, heuristic: balance, light_choice: tree, russian_roulette: none}", environment=SKY % ""),
+    "bidirectional-lens": scene(ROOM + LAMP + POINTS, integrator="{type: bidirectional, max_depth: 4}", camera=f"{{type: thin_lens, fov: 43, aperture_radius: 0.2, focus_distance: 4.6, {LOOK}}}"),
     "bidirectional-windows": scene(ROOM + WINDOWS, integrator="{type: bidirectional, rr_depth: 2, light_choice: uniform}", environment="{type: sunsky, sun_direction: [0.3, 0.8, 0.5], scale: 0.04}", camera=f"{{type: orthographic, height: 3.1, {LOOK}}}"),
     "fog": scene(ROOM + LAMP, integrator=volpath(), **FOG),
     "fog-bsdf": scene(ROOM + LAMP, integrator=volpath(light_sampling="bsdf", rr_depth=3), **FOG),
