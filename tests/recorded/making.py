@@ -110,6 +110,7 @@ MASKS = (
     (r"(?<![\w.])/[\w./+-]*alight-record\w+/(?=[\w.+-])", ""),
     (r"(?<![\w.])/[\w./+-]*alight-record\w+", "FOLDER"),
     (r"\b\d+(?:\.\d+)?(?:e[+-]\d+)? (ms|s|seconds|min|h)\b", r"# \1"),
+    (r"\bseconds \d[\d.e+-]*", "seconds #"),
     (r"\b\d+(?:\.\d+)? Msamples/s", "# Msamples/s"),
     (r"\b\d+(?:\.\d+)? (MB|kB|GB)\b", r"# \1"),
     (r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[\d.+:Z]*", "DATE"),
