@@ -31,7 +31,7 @@ Plugins = Annotated[
 DEFAULT_SCENE = "cornell-box"
 
 #: How commands spell what has no table of theirs.
-_SPELLING = {"plugins": "--plugin"}
+_SPELLING = {"plugins": "--plugin", "pixel": "--pixel"}
 
 
 def takes_words(table: type[Options]) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -44,21 +44,21 @@ def serve(subject: str, options: ViewOptions, tell: Callable[[str], None]) -> No
     from alight.view.protocol import LONGEST
     from alight.view.server import application
 
-    listener = _bound(options)
-    session = session_of(subject, options)
-    name = f"[{options.host}]" if ":" in options.host else options.host
-    address = f"http://{name}:{listener.getsockname()[1]}/{access.token}/"
-    tell(address)
-    if options.browser:
-        webbrowser.open(address)
-    server = uvicorn.Server(
-        uvicorn.Config(
-            application(session, access), log_level="warning", access_log=False,
-            ws="websockets-sansio", ws_max_size=4 * LONGEST, ws_per_message_deflate=False,
-            timeout_graceful_shutdown=1, server_header=False,
-        )
-    )  # fmt: skip
-    server.run(sockets=[listener])
+    with _bound(options) as listener:
+        session = session_of(subject, options)
+        name = f"[{options.host}]" if ":" in options.host else options.host
+        address = f"http://{name}:{listener.getsockname()[1]}/{access.token}/"
+        tell(address)
+        if options.browser:
+            webbrowser.open(address)
+        server = uvicorn.Server(
+            uvicorn.Config(
+                application(session, access), log_level="warning", access_log=False,
+                ws="websockets-sansio", ws_max_size=4 * LONGEST, ws_per_message_deflate=False,
+                timeout_graceful_shutdown=1, server_header=False,
+            )
+        )  # fmt: skip
+        server.run(sockets=[listener])
 
 
 def _bound(options: ViewOptions) -> socket.socket:

@@ -110,6 +110,7 @@ MASKS = (
     (r"(?<![\w.])/[\w./+-]*alight-record\w+/(?=[\w.+-])", ""),
     (r"(?<![\w.])/[\w./+-]*alight-record\w+", "FOLDER"),
     (r"\b\d+(?:\.\d+)?(?:e[+-]\d+)? (ms|s|seconds|min|h)\b", r"# \1"),
+    (r"\bseconds \d[\d.e+-]*", "seconds #"),
     (r"\b\d+(?:\.\d+)? Msamples/s", "# Msamples/s"),
     (r"\b\d+(?:\.\d+)? (MB|kB|GB)\b", r"# \1"),
     (r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[\d.+:Z]*", "DATE"),
@@ -162,11 +163,20 @@ def command(*words: str, columns: int = 100) -> dict[str, Any]:
     return {"exit": done.exit_code, "says": masked(done.stdout), "warns": masked(done.stderr)}
 
 
+#: Modules that render by machine code.
+RENDERING = (
+    "rendering.job", "laws.scene.pictures", "lab.replicates.measure", "lab.guide.incidence",
+    "view.movable",
+)  # fmt: skip
+
+
 @contextlib.contextmanager
 def by_twin() -> Iterator[None]:
     """Renders of this block are those of the NumPy reading of kernels."""
     twins = partial(make_kernels, compiled=False)
-    with mock.patch("alight.rendering.job.make_kernels", twins):
+    with contextlib.ExitStack() as stack:
+        for module in RENDERING:
+            stack.enter_context(mock.patch(f"alight.{module}.make_kernels", twins))
         yield
 
 

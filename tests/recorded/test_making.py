@@ -17,6 +17,7 @@ from tests.recorded.making import FEW, briefly, command, described, in_folder, m
             "8 spp in # s, # Msamples/s (# s in all)",
         ),
         ("meshes of 1.5 MB, 64 kB", "meshes of # MB, # kB"),
+        ("listed 3, seconds 0.00012", "listed 3, seconds #"),
         ("seen 2026-11-27T18:01:02", "seen DATE"),
         ("hash 0123456789abcdef01", "hash DIGEST"),
         (

@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from alight.core.errors import OptionError
+from alight.core.errors import AlightError, OptionError
 from alight.options.view import ViewOptions
 from alight.outputs.picture import as_picture
 from alight.view import serve
@@ -218,3 +218,11 @@ def test_an_address_that_is_taken_is_said():
             serve._bound(ViewOptions(port=listener.getsockname()[1]))
     finally:
         listener.close()
+
+
+def test_nothing_stays_open_when_there_is_nothing_to_view(monkeypatch):
+    bound, made = serve._bound, []
+    monkeypatch.setattr(serve, "_bound", lambda options: made.append(bound(options)) or made[-1])
+    with pytest.raises(AlightError, match="no such scene file"):
+        serve.serve("none.yaml", ViewOptions(), print)
+    assert [listener.fileno() for listener in made] == [-1]

@@ -139,7 +139,12 @@ def lines() -> dict[str, Any]:
         for line in LINES:
             answer = command(*line.split())
             # The frame around usage errors is the library's.
-            usage = "Usage:" in answer["warns"] or not line or line in ("scene", "cluster")
+            usage = (
+                "Usage:" in answer["warns"]
+                or "╭" in answer["warns"]
+                or not line
+                or line in ("scene", "cluster")
+            )
             found[line] = [answer["exit"], _told(answer["warns"]) if usage else {**answer}]
         return found
 

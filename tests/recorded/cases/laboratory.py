@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import alight
-from alight.lab import arms, figures, panels, study_file
+from alight.lab import figures, panels
 from alight.lab.compare import compare
 from alight.lab.report import charts, numbers, pictures, scenes, style, tables
 from alight.lab.report import outcome as outcomes
@@ -18,15 +18,13 @@ from alight.lab.report.page import curve_context, study_context, table_context
 from alight.lab.report.targets import check_target
 from alight.lab.result_files import load, save
 from alight.lab.results import BIASED, UNBIASED
-from alight.lab.sheet.scenes import find_scenes
 from alight.lab.sheet.tiles import fitted
 from alight.lab.statistics import agreement, block_means, decomposition, equal_time, intervals
-from alight.lab.study import Study
 from alight.metrics.estimate import Estimate
 from alight.samplers.independent import Independent
 from alight.samplers.sobol import Sobol
 from tests.lab.report import synthetic
-from tests.recorded.making import command, described, film_of, in_folder, outcome, rows
+from tests.recorded.making import described, film_of, in_folder, outcome, rows
 
 
 def _plain(value: Any) -> Any:
@@ -258,100 +256,6 @@ def statistics() -> dict[str, Any]:
     }
 
 
-STUDY = """title: Two samplers
-description: Which is better?
-baseline: a
-replicates: 6
-spp: [4, 16]
-seed: 3
-scenes:
-  - scene: cornell-box
-    label: A box
-    set: {film.size: [16, 16]}
-    reference: {spp: 64, arm: b}
-arms:
-  a: {label: Plain, set: {sampler.type: independent}, expected_slope: -0.5}
-  b: {set: {sampler.type: sobol}}
-  c: {set: {integrator.max_depth: 2}, declares_different: true}
-"""
-
-
-def studies() -> dict[str, Any]:
-    """Study files, ready ones and wrong ones."""
-    found: dict[str, Any] = {"ready": {}}
-    for name in study_file.ready_names():
-        one = study_file.load_study(name)
-        found["ready"][name] = [
-            one.title,
-            one.kind,
-            len(one.arms),
-            len(one.scenes),
-            str(described(one.spp)),
-            one.replicates,
-        ]
-    found["first"] = described(study_file.load_study(study_file.ready_names()[0]))
-    texts = {
-        "good": STUDY,
-        "empty": "",
-        "no arms": STUDY.partition("arms:")[0],
-        "wrong key": STUDY.replace("baseline", "base"),
-        "wrong spp": STUDY.replace("[4, 16]", "[4, x]"),
-        "no baseline": STUDY.replace("baseline: a", "baseline: d"),
-        "wrong type": STUDY.replace("replicates: 6", "replicates: many"),
-        "few": STUDY.replace("replicates: 6", "replicates: 1"),
-        "twice": STUDY + "  a: {}\n",
-        "no scene": STUDY.replace("cornell-box", "cornel-box"),
-        "list": "[1]",
-    }
-    found["files"] = {
-        n: outcome(lambda t=t: described(study_file.parse_study(t, "s.yaml").checked()))
-        for n, t in texts.items()
-    }
-    found["shares"] = rows(study_file.parse_share, ["5%", "0.05", 0.05, 1, "x", True, None])
-    one = outcome(lambda: study_file.parse_study(STUDY, "s.yaml").checked())
-    found["checked"] = isinstance(one, dict)
-    study = study_file.parse_study(STUDY, "s.yaml")
-    if isinstance(study, Study):
-        found["assignments"] = [
-            outcome(arms.assignments, study, arm.options, "p") for arm in study.arms
-        ]
-        loaded = outcome(lambda: list(arms.load_arms(study, study.scenes[0], True)))
-        found["arms"] = loaded
-    found["seeds"] = [arms.seed_of("a", n) for n in range(3)]
-    found["list"] = command("study", "--list")
-    found["commands"] = [command("study", n) for n in ("none.yaml", "sampler")] + [command("study")]
-    return found
-
-
-def sheets() -> dict[str, Any]:
-    """Which scenes a sheet shows."""
-    with in_folder(
-        {
-            "a/x.yaml": "alight: 1\n",
-            "a/b/y.xml": "<scene/>",
-            "a/z.txt": "",
-            "a/.h.yaml": "",
-            "w.obj": "",
-        }
-    ):
-        return {
-            "found": rows(
-                find_scenes,
-                {n: ([n],) for n in ("a", "w.obj", "cornell-box", "none", "a/z.txt", "a/b")},
-            ),
-            "commands": [
-                command("sheet", *w)
-                for w in (
-                    ("none.yaml",),
-                    ("a", "--tile", "5"),
-                    ("a", "--tile", "5x5"),
-                    ("a", "-o", "a.txt"),
-                    ("a", "--columns", "0"),
-                )
-            ],
-        }
-
-
 def asked() -> dict[str, Any]:
     """Files and scenes of which `info`, `models`, `scenes` and others tell."""
     found: dict[str, Any] = {}
@@ -378,7 +282,5 @@ CASES = {
     "views": views,
     "compared": compared,
     "statistics": statistics,
-    "studies": studies,
-    "sheets": sheets,
     "asked": asked,
 }

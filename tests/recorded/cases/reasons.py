@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest import mock
 
@@ -14,7 +15,10 @@ from alight.cluster import addresses, files
 from alight.cluster.dispatch import Patience
 from alight.cluster.files import read_cluster_file
 from alight.cluster.status import Losses, WorkerStatus, dashboard_of, losses_of
+from alight.compiled.scene import compile_scene
+from alight.lab.guide import disks
 from alight.lab.guide.hemisphere import hemisphere
+from alight.lab.guide.incidence import arriving_light
 from alight.lab.why import words
 from alight.lab.why.explanation import Explanation
 from alight.lab.why.maps import draw_maps
@@ -23,8 +27,9 @@ from alight.lab.why.trials import Trial, alternatives
 from alight.metrics.estimate import Estimate
 from alight.rendering import plan as plans
 from alight.rendering.schedules.stopping import Promise
+from alight.scene import flatten
 from tests.recorded.cases.renders import FILES, SCENE
-from tests.recorded.making import command, described, in_folder, outcome, rows
+from tests.recorded.making import by_twin, command, described, in_folder, outcome, rows
 
 
 def _shares() -> Shares:
@@ -103,7 +108,8 @@ def why() -> dict[str, Any]:
     found["maps"] = [
         described(shares.map_of(p)) for p in (shares.parts[1], Part(light="sky"), Part())
     ]
-    found["sheet"] = outcome(lambda: np.asarray(draw_maps(shares, shares.parts[:3])).shape)
+    with mock.patch("alight.lab.why.maps.sheet_of", list):
+        found["sheet"] = described(draw_maps(shares, shares.parts[:3]))
     found["weights"] = described(relative_weights(np.random.default_rng(1).random((4, 5, 3))))
     with in_folder(FILES):
         for scene in ("scene.yaml", "environment-map"):
@@ -187,11 +193,42 @@ def _trace(scene: str, pixel: tuple[int, int], words_: dict[str, Any]) -> Any:
 
 
 def guides() -> dict[str, Any]:
-    """Disks of directions."""
+    """Disks of directions, and what arrives at a point from each."""
     found: dict[str, Any] = {}
     for upper in (True, False):
         for side in (5, 8):
-            found[f"{side}, {upper}"] = described(hemisphere(side, upper=upper), 12)
+            found[f"{side}, {upper}"] = described(hemisphere(side, upper=upper, bottom=0.4), 12)
+    draw = np.random.default_rng(2)
+    disk = hemisphere(6)
+    names = ("ideal", "of_bsdf", "of_guide", "of_mixture", "weight")
+    sides = [
+        SimpleNamespace(
+            name=name,
+            disk=disk,
+            light=draw.random((disk.w.shape[1], 3)) * (3 + n),
+            **{one: draw.random(disk.w.shape[1]) * (k + 1) for k, one in enumerate(names)},
+        )
+        for n, name in enumerate(("outside", "inside"))
+    ]
+    with mock.patch("alight.lab.guide.disks.sheet_of", list):
+        found["disks"] = [described(disks.draw_disks(sides[:n])) for n in (1, 2)]  # type: ignore[arg-type]
+    with in_folder(FILES), by_twin(), mock.patch("alight.lab.guide.incidence.FACE", 8):
+        scene = compile_scene(flatten(alight.load("scene.yaml")), structure="list")
+        w = np.array(
+            [
+                [0, 1, 0],
+                [1, 0.2, 0.3],
+                [-1, 0.1, 0.4],
+                [0.1, -1, 0.2],
+                [0.2, 0.3, 1],
+                [0.3, 0.5, -1],
+            ]
+        )
+        w = (w / np.linalg.norm(w, axis=1, keepdims=True)).T
+        place = np.array([0.1, 0.9, 0.8])
+        for seed in (0, 7):
+            light = arriving_light(scene, place, w, spp=4, seed=seed, threads=1)
+            found[f"light, {seed}"] = described(light)
     return found
 
 

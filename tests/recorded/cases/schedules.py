@@ -336,11 +336,8 @@ def looks() -> dict[str, Any]:
             means[2:5, 3:7, 1] *= 60.0
         answers = []
         for promise in promises:
-            for largest, by_chance, glass in (
-                (None, False, None),
-                (50.0, True, None),
-                (1e6, False, behind),
-            ):
+            known = [(None, False, None), (50.0, True, None), (1e6, False, behind)]
+            for largest, by_chance, glass in known if name == "noisy" else known[:1]:
                 judged = outcome(
                     stopping.judge_means, means, counts, promise, largest, by_chance, glass
                 )
