@@ -81,7 +81,7 @@ class Film:
     by_chance : bool
         Whether no path was led to a light: what no sample has met says nothing of itself then.
     behind_glass : ndarray, shape (n, 7), or None
-        Of `light_behind_glass`.
+        Light that only chance finds: of `light_behind_glass` and `light_off_surfaces`.
     suspicions : tuple of str
         What is suspicious of the scene: `warnings` says it, files and merged films keep it.
     shares_paths : bool

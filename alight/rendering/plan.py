@@ -290,9 +290,9 @@ def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
     """
     other = pilot.need if pilot.need > 1.0 else _gap(pilot)
     rare *= _rare(pilot) * _margin(pilot.promise) / pilot.promise.error**2
-    times = max(rare + other, 1e-6)
-    # Convex in the logarithm of the samples, so that Newton's steps end on one side.
-    log = max(math.log(times), math.log(times) / slope)
+    # Where the larger of the two is all that is allowed, both are too much. Their sum falls, and is
+    # convex in the logarithm of the samples, so Newton's steps from there stay on that side.
+    log = max(math.log(max(rare, 1e-300)), math.log(other) / slope)
     for _ in range(50):
         first, second = rare * math.exp(-log), other * math.exp(-slope * log)
         log += (first + second - 1.0) / (first + slope * second)

@@ -99,11 +99,12 @@ def test_rare_light_is_noise_of_independent_samples(slope):
 
 
 def test_two_kinds_of_noise_are_the_error_together():
-    for slope in (1.2, 2.0):
-        pilot = pilot_of(slope, 0.005, need=16.0, rare=RareNoise(2e-4, 2e-4, 2e-4))
-        times = _times(pilot, slope)
-        rare = 2e-4 * 1.2**2 / 0.005**2
-        assert 16.0 * times**-slope + rare / times == pytest.approx(1.0, rel=1e-9)
+    for slope in (0.9, 1.2, 2.0):
+        for noise, need in ((2e-4, 16.0), (2e-9, 1e4), (2e-4, 1e9), (0.0, 1.1), (0.9, 1e3)):
+            pilot = pilot_of(slope, 0.005, need=need, rare=RareNoise(noise, noise, noise))
+            times = _times(pilot, slope)
+            rare = noise * 1.2**2 / 0.005**2
+            assert need * times**-slope + rare / times == pytest.approx(1.0, rel=1e-9)
 
 
 def test_plans_for_pixels_have_the_margin_of_normal_noise():

@@ -193,7 +193,7 @@ def judge_means(
     `largest` bounds the value of a sample, if that is known; `by_chance` is whether no path was led
     to a light, `behind` what was seen behind glass.
     """
-    estimate = estimate_relmse(means, counts)
+    estimate = estimate_relmse(means, counts, literature=False)
     if math.isnan(estimate.relmse.high):
         return Judgement(
             achieved=math.nan,
