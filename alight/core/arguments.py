@@ -56,6 +56,11 @@ def expect(value: V, kinds: type | tuple[type, ...], name: str, wanted: str) -> 
     raise OptionError(f"must be {wanted}, got {show_value(value)}", name)
 
 
+def expect_path(path: V) -> V:
+    """Give a path back, or refuse what is none; see `expect`."""
+    return expect(path, PATH, "path", "a path")
+
+
 def known_words(hint: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Let a function refuse unknown keywords as options are refused, with the nearest name.
 

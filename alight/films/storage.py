@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from alight.core.arguments import PATH, expect
+from alight.core.arguments import expect_path
 from alight.core.errors import FilmError
 from alight.films.archive import Archive, read_archive, write_archive
 from alight.films.coverage import pack_sums, unpack_sums
@@ -31,7 +31,7 @@ _IDENTITY = (
 
 def is_film_file(path: str | os.PathLike[str]) -> bool:
     """Whether a file of this name keeps the film, not only its picture."""
-    return Path(expect(path, PATH, "path", "a path")).suffix.lower() == SUFFIX
+    return Path(expect_path(path)).suffix.lower() == SUFFIX
 
 
 def save_film(path: str | os.PathLike[str], film: Film) -> Path:

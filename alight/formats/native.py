@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.arguments import PATH, expect, known_words
+from alight.core.arguments import expect, expect_path, known_words
 from alight.core.errors import Issue, SceneError, quote
 from alight.formats.gltf.write import write
 from alight.formats.scenes.made_up import without_floor
@@ -69,7 +69,7 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> tuple[str, ...]:
         If a file cannot be written.
     """
     expect(scene, Scene, "scene", "a scene; film.save(path) writes a film")
-    target = Path(expect(path, PATH, "path", "a path"))
+    target = Path(expect_path(path))
     if target.suffix.lower() not in WRITTEN:
         kinds = ", ".join(WRITTEN)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.arguments import PATH, expect, known_words
+from alight.core.arguments import expect_path, known_words
 from alight.core.errors import OutputError, unknown_name
 from alight.outputs import exr, hdr, jpeg, npy, pfm, png
 from alight.outputs.atomic import check_folder, replacing
@@ -32,7 +32,7 @@ def format_of(path: str | os.PathLike[str]) -> ModuleType:
     OutputError
         For an unknown suffix, with the nearest known one.
     """
-    suffix = Path(expect(path, PATH, "path", "a path")).suffix.lower()
+    suffix = Path(expect_path(path)).suffix.lower()
     by_suffix = {s: module for module in FORMATS for s in module.SUFFIXES}
     if suffix not in by_suffix:
         problem = unknown_name("suffix", suffix, by_suffix) if suffix else "the name has no suffix"
@@ -107,7 +107,7 @@ def read_image(path: str | os.PathLike[str]) -> np.ndarray:
     OutputError
         If the file is missing, broken or of an unknown format.
     """
-    suffix = Path(expect(path, PATH, "path", "a path")).suffix.lower()
+    suffix = Path(expect_path(path)).suffix.lower()
     for module in FORMATS:
         if suffix in module.SUFFIXES:
             break

@@ -56,7 +56,8 @@ def text() -> str:
         if family == "parts":
             parts += [_section(f"## {name.capitalize()}", model) for name, model in known.items()]
             continue
-        parts.append(f"## {family.capitalize()}\n\n{MORE.get(family, '')}".rstrip())
+        head = "BSDFs" if family == "bsdfs" else family.capitalize()
+        parts.append(f"## {head}\n\n{MORE.get(family, '')}".rstrip())
         own = {name: model for name, model in known.items() if _is_ours(model)}
         parts += [_section(f"### {name}", model) for name, model in own.items()]
     return HEAD + "\n\n".join(parts) + "\n"

@@ -13,7 +13,8 @@ from tests.docs.pages import PAGES, ROOT, blocks, name_of, prose
 
 def _code(page):
     """Lines of shell blocks, and short pieces of code in the text."""
-    lines = [line for block in blocks(page, "bash") for line in block.splitlines()]
+    joined = (block.replace("\\\n", " ") for block in blocks(page, "bash"))
+    lines = [line for block in joined for line in block.splitlines()]
     return lines + re.findall(r"`([^`\n]+)`", prose(page))
 
 

@@ -72,6 +72,13 @@ def test_nothing_is_lost(copied, tmp_path):
     assert held(other) == held(film)
 
 
+def test_merged_films_warn_of_what_any_warns_of():
+    films = [Film(8, 8) for _ in range(3)]
+    for film, told in zip(films, (("a", "b"), (), ("b", "c")), strict=True):
+        film.suspicions = told
+    assert Film.merge(*films).warnings == ["a", "b", "c"]
+
+
 def test_an_empty_film_differs_in_its_samples_only():
     film = full()
     assert held(film.empty_like(), OF_SAMPLES) == held(film, OF_SAMPLES)

@@ -76,4 +76,25 @@ EDGES = (
         ),
         "tests/edges/test_depths.py::test_deep_sums_are_measured_at_once",
     ),
+    Mutant(
+        "photos turned the other way",
+        "outputs/texels.py",
+        (
+            ("6: (True, False, True)", "6: (True, True, False)"),
+            ("8: (True, True, False)", "8: (True, False, True)"),
+        ),
+        "tests/textures/test_placed_pictures.py::test_photos_stand_upright_and_it_is_told",
+    ),
+    Mutant(
+        "pixels at the corner of their display window",
+        "outputs/texels.py",
+        (("left, top = x - display.low[0], y - display.low[1]", "left, top = 0, 0"),),
+        "tests/textures/test_placed_pictures.py::test_pixels_lie_where_the_display_window_has_them",
+    ),
+    Mutant(
+        "warnings of the first of merged films only",
+        "films/merging.py",
+        (("for part in parts for text in part.suspicions", "for text in parts[0].suspicions"),),
+        "tests/film/test_all_that_a_film_holds.py::test_merged_films_warn_of_what_any_warns_of",
+    ),
 )

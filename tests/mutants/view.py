@@ -104,4 +104,14 @@ VIEW = (
         "tests/view/test_focus_and_command.py"
         "::test_the_command_gives_the_bits_of_edits_and_of_a_moved_camera",
     ),
+    Mutant(
+        "counts of a growing film read after its picture",
+        "view/live.py",
+        ((
+            "empty = self.film.sample_count == 0\n        image = self.film.image",
+            "image = self.film.image\n        empty = self.film.sample_count == 0",
+        ),),
+        "tests/view/test_layers.py"
+        "::test_samples_that_come_while_a_picture_is_painted_leave_no_holes",
+    ),
 )  # fmt: skip

@@ -23,6 +23,7 @@ EVERYWHERE = {"none"}
 OTHER_MEANINGS: dict[str, set[str]] = {
     "bsdfs/plastics/phong.py": {"diffuse"},
     "bsdfs/plastics/plastic.py": {"diffuse"},
+    "core/arguments.py": {"path"},
     "core/model_form.py": {"area"},
     "core/spec.py": {"environment", "light"},
     "integrators/queue.py": {"direct"},
@@ -53,6 +54,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "scene/build.py": {"environment", "null"},
     "scene/description.py": {"light"},
     "scene/flatten.py": {"environment"},
+    "scene/manager.py": {"path"},
     "scene/moving.py": {"environment", "light"},
     "scene/plain_yaml.py": {"null"},
     "scene/validation.py": {"environment"},
