@@ -8,13 +8,11 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.mutants.forks import Forks, planted
 from tests.mutants.mutants import MUTANTS
 
 ROOT = Path(__file__).parents[2]
@@ -62,61 +60,55 @@ def cache(tmp_path_factory):
     return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "compiled"
 
 
-def run_tests(folder: Path, cache: Path, *tests: str) -> subprocess.CompletedProcess:
-    """Run tests of a copy until one fails."""
+@pytest.fixture(scope="session")
+def forks(project, cache):
+    """What runs tests of the copy."""
     environment = {
-        **os.environ, "PYTHONPATH": str(folder), "ALIGHT_CACHE": str(cache),
-        "COLUMNS": "300", "PYTHONDONTWRITEBYTECODE": "1",
+        **os.environ, "PYTHONPATH": str(project), "ALIGHT_CACHE": str(cache), "COLUMNS": "300",
+        "PYTHONDONTWRITEBYTECODE": "",
     }  # fmt: skip
+    forks = Forks(project, environment)
+    yield forks
+    forks.close()
+
+
+def run_tests(forks: Forks, *tests: str) -> tuple[int, str]:
+    """Run tests of a copy until one fails: pytest's exit code, and what it wrote."""
     # Assertions are plain: pytest can take many minutes to tell how two large sets differ.
     options = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=line"]
     options += ["--assert=plain"]
     # A run that is stuck says where, before the time of the test around it is over.
-    command = [sys.executable, "-X", "faulthandler", "-m", "pytest", *options]
-    command += ["-o", "faulthandler_timeout=200", "-o", "timeout=0", *tests]
+    options += ["-o", "faulthandler_timeout=200", "-o", "timeout=0", *tests]
     if all("::" in test for test in tests):
         # Named, so meant, be they proofs or not.
-        command += ["-m", "proofs or not proofs"]
-    # In a session of its own: a bug that signals its group, and what a stuck test has started, end
-    # with it and reach nobody else.
-    with subprocess.Popen(
-        command, cwd=folder, env=environment, start_new_session=True,
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    ) as process:  # fmt: skip
-        try:
-            out, err = process.communicate(timeout=570)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            out, err = process.communicate()
-            pytest.fail(f"stuck: {' '.join(tests)}\n{out}{err}")
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
+        options += ["-m", "proofs or not proofs"]
+    try:
+        return forks.run(options)
+    except TimeoutError as error:
+        pytest.fail(f"stuck: {' '.join(tests)}\n{error}")
 
 
 @pytest.mark.proofs
 @pytest.mark.parametrize("part", range(PARTS))
-def test_killers_pass_without_a_bug(part, project, cache):
+def test_killers_pass_without_a_bug(part, forks):
     killers = sorted({mutant.killer for mutant in TRIED})
     first, end = (len(killers) * edge // PARTS for edge in (part, part + 1))
-    result = run_tests(project, cache, *killers[first:end])
-    assert result.returncode == 0, result.stdout + result.stderr
+    code, said = run_tests(forks, *killers[first:end])
+    assert code == 0, said
 
 
 @pytest.mark.proofs
 @pytest.mark.parametrize("mutant", TRIED, ids=[mutant.name for mutant in TRIED])
-def test_the_bug_is_found(mutant, project, cache):
+def test_the_bug_is_found(mutant, project, forks):
     path = project / mutant.package / mutant.file
-    right = path.read_text("utf-8")
-    text = right
+    text = path.read_text("utf-8")
     for old, new in mutant.edits:
         assert text.count(old) == 1
         text = text.replace(old, new)
-    try:
-        path.write_text(text, "utf-8")
-        result = run_tests(project, cache, mutant.killer)
-    finally:
-        path.write_text(right, "utf-8")
-    assert result.returncode == 1, f"survived: {mutant.killer}\n{result.stdout}{result.stderr}"
-    assert FAILED.search(result.stdout), f"broke the program:\n{result.stdout}{result.stderr}"
+    with planted(path, text):
+        code, said = run_tests(forks, mutant.killer)
+    assert code == 1, f"survived: {mutant.killer}\n{said}"
+    assert FAILED.search(said), f"broke the program:\n{said}"
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
