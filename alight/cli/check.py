@@ -52,12 +52,12 @@ def check(
         _check_mutant(mutant, ["check", scene, *options.words(), *(["--quiet"] if quiet else [])])
         return
     import alight
-    from alight.cli.reporting import warn_of
+    from alight.cli.reporting import warn_of_scene
     from alight.laws.scene.dump import write_failures
     from alight.options.loading import scene_of
 
     description = scene_of(scene, options)
-    warn_of(description)
+    warn_of_scene(description)
     begin = time.perf_counter()
 
     def progress(text: str) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from alight.cli.interrupts import cancelling
-from alight.cli.reporting import Warnings
+from alight.cli.reporting import WarnOnce
 from alight.core.errors import AlightError, OutputError
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def run_and_finish(
     from alight.rendering.writing import finish
 
     begin, cancel = time.perf_counter(), threading.Event()
-    film, stopped, warns = None, False, Warnings()
+    film, stopped, warns = None, False, WarnOnce()
     warns(warnings)
     with ProgressBar(quiet, time_limit, warns) as bar, cancelling(cancel, bar) as interruption:
         try:

@@ -10,7 +10,7 @@ import typer
 
 from alight.cli.interrupts import cancelling
 from alight.cli.progress import ProgressBar
-from alight.cli.reporting import Warnings, note_unused
+from alight.cli.reporting import WarnOnce, note_unused
 
 if TYPE_CHECKING:
     from alight.options.animation import AnimationOptions
@@ -38,7 +38,7 @@ def render_frames(
     from alight.outputs.moving import played_fps
     from alight.rendering.animation import Animation
 
-    cancel, warns = threading.Event(), Warnings()
+    cancel, warns = threading.Event(), WarnOnce()
     with ProgressBar(quiet, warns=warns) as bar, cancelling(cancel, bar) as interruption:
 
         def show(progress: Progress) -> None:

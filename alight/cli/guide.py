@@ -23,7 +23,7 @@ def guide(
 ) -> None:
     """Draw what a trained guide knows at a point, beside the light that arrives there."""
     import alight
-    from alight.cli.reporting import warn_of
+    from alight.cli.reporting import warn_of_scene
     from alight.lab.panels import check_sheet
     from alight.options.loading import scene_of
 
@@ -31,7 +31,7 @@ def guide(
     target = Path(options.output or f"{Path(scene).stem}.guide.png")
     check_sheet(target)
     description = scene_of(scene, options)
-    warn_of(description)
+    warn_of_scene(description)
     begin = time.perf_counter()
 
     def progress(text: str) -> None:

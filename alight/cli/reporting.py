@@ -48,7 +48,7 @@ def warn(message: str) -> None:
     sys.stderr.write(f"warning: {message}\n")
 
 
-class Warnings:
+class WarnOnce:
     """Says each warning on stderr, when it is first heard of.
 
     Attributes
@@ -67,11 +67,11 @@ class Warnings:
                 warn(message)
 
 
-def warn_of(scene: Scene) -> None:
+def warn_of_scene(scene: Scene) -> None:
     """Say on stderr all that is suspicious of a scene, what only compiling it tells too."""
-    from alight.compiled.suspicions import suspicions
+    from alight.compiled.warnings.scenes import warnings_of_scene
 
-    for message in suspicions(scene):
+    for message in warnings_of_scene(scene):
         warn(message)
 
 

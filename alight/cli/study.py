@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from alight.cli.progress import Bar
-from alight.cli.reporting import INTERRUPTED, Warnings
+from alight.cli.reporting import INTERRUPTED, WarnOnce
 from alight.cli.words import Quiet, takes_words
 from alight.options.laboratory import StudyOptions
 
@@ -64,7 +64,7 @@ class StudyBar(Bar):
     def __init__(self, quiet: bool) -> None:
         super().__init__(quiet)
         self._total: float | None = None
-        self._warns = Warnings()
+        self._warns = WarnOnce()
 
     def __call__(self, progress: StudyProgress) -> None:
         """Show how far the study is, and say what is suspicious of its scenes."""

@@ -20,11 +20,11 @@ def trace(
 ) -> None:
     """Follow one sample of a pixel, one path vertex a line; breakpoints in kernels work."""
     import alight
-    from alight.cli.reporting import warn_of
+    from alight.cli.reporting import warn_of_scene
     from alight.options.loading import scene_of
 
     position = parse_pixel(pixel)
     description = scene_of(scene, options)
-    warn_of(description)
+    warn_of_scene(description)
     found = alight.trace(description, position, options.with_loaded_scene())
     typer.echo(json.dumps(found.to_dict(), indent=1) if as_json else str(found))

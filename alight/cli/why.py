@@ -22,14 +22,14 @@ def why(
 ) -> None:
     """Explain a picture's noise by path depth, technique, light and first material."""
     import alight
-    from alight.cli.reporting import warn_of
+    from alight.cli.reporting import warn_of_scene
     from alight.lab.panels import check_sheet
     from alight.options.loading import scene_of
 
     target = options.output or Path(f"{Path(scene).stem}.why.png")
     check_sheet(target)
     description = scene_of(scene, options)
-    warn_of(description)
+    warn_of_scene(description)
     begin = time.perf_counter()
 
     def progress(text: str) -> None:

@@ -7,8 +7,8 @@ from collections import namedtuple
 import numpy as np
 
 from alight.bsdfs.interiors.bodies import NO_BODY, BodyTables, body_below
+from alight.compiled.boxes import box_of
 from alight.compiled.materials import MaterialTables
-from alight.compiled.suspicious_bodies import box_of
 from alight.scene.flatten import FlatScene
 from lanewise.view import View
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from alight.bsdfs.nesting import leaves
 from alight.bsdfs.specular import is_specular
-from alight.compiled.suspicious_bodies import box_of
+from alight.compiled.boxes import box_of
 from alight.core.spec import Bsdf
 from alight.scene.flatten import FlatScene
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from alight.compiled.boxes import Box
 from alight.compiled.light_tree import LightRow, by_power, find_leaves
 from alight.compiled.shapes import CompiledShapes
-from alight.compiled.suspicious_bodies import Box
 from alight.core.vec import luminance
 from alight.lights.bright_disk import Disk
 from alight.lights.model import LIGHTS

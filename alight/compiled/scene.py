@@ -26,9 +26,9 @@ from alight.compiled.program import Program
 from alight.compiled.rendering_space import WORLD, Ball, in_rendering_space, origin_for
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
-from alight.compiled.suspicious_bodies import suspicious_bodies
-from alight.compiled.suspicious_contacts import suspicious_contacts
-from alight.compiled.suspicious_sizes import suspicious_sizes
+from alight.compiled.warnings.bodies import warnings_of_bodies
+from alight.compiled.warnings.contacts import warnings_of_contacts
+from alight.compiled.warnings.sizes import warnings_of_sizes
 from alight.core.motion import RIGID
 from alight.core.registry import versions
 from alight.core.spec import Integrator
@@ -236,9 +236,9 @@ def _warnings(given: FlatScene, space: _Space, is_dark: bool) -> tuple[str, ...]
     return (
         *flat.warnings,
         *flat.notes,
-        *suspicious_bodies(given),
-        *suspicious_contacts(flat, space.origin),
-        *suspicious_sizes(flat, space.shapes),
+        *warnings_of_bodies(given),
+        *warnings_of_contacts(flat, space.origin),
+        *warnings_of_sizes(flat, space.shapes),
         *_darkness(flat, is_dark),
     )
 

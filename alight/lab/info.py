@@ -87,7 +87,7 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
     >>> dict(alight.info("cornell-box").facts)["lights"]
     '1 (1 area)'
     """
-    from alight.compiled.suspicions import suspicions
+    from alight.compiled.warnings.scenes import warnings_of_scene
     from alight.lab.picture_info import is_film_or_picture, picture_facts
     from alight.options.loading import scene_of
     from alight.scene import flatten
@@ -110,7 +110,7 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
         approximated=[*remarks.warnings, *flat.notes],
         warnings=[
             text
-            for text in suspicions(description)
+            for text in warnings_of_scene(description)
             if text not in remarks.warnings and text not in flat.notes
         ],
         notes=energy_notes(flat),

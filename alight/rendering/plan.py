@@ -7,7 +7,7 @@ rule, and that of the time per sample. The time is that of a start, of the sampl
 of the rule, which in small pictures is most of it.
 
 Rare light that paths find by chance is told by the pilot that has looked for it
-(`alight.rendering.schedules.chance`) until enough samples have met it, and its noise is that of
+(`alight.rendering.schedules.rare_light`) until enough samples have met it, and its noise is that of
 independent samples. Only the rest has the slope.
 """
 
@@ -33,7 +33,7 @@ from alight.options.render import RenderOptions
 from alight.outputs import html
 from alight.rendering.main_loop import render_film
 from alight.rendering.resources import usable_processors
-from alight.rendering.schedules.chance import Chance, chance_noise, without_samples
+from alight.rendering.schedules.rare_light import RareNoise, rare_noise, without_samples
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.schedules.selection import promise_of
 from alight.rendering.schedules.steering import check_replicates
@@ -77,7 +77,7 @@ class Pilot(Schedule):
         Processor seconds of the samples between two looks, and of the looks.
     need : float
         Times the samples of the last look that the promise needs, without that light.
-    chance : Chance
+    rare : RareNoise
         Noise of that light at the last look.
     met : float
         relMSE of that light as the samples tell it.
@@ -89,7 +89,7 @@ class Pilot(Schedule):
     looks: list[float] = field(default_factory=list)
     need: float = math.inf
     begin: float | None = None
-    chance: Chance = field(default_factory=Chance)
+    rare: RareNoise = field(default_factory=RareNoise)
     met: float = 0.0
     name: ClassVar[str] = "pilot"
 
@@ -121,9 +121,9 @@ class Pilot(Schedule):
         # Timed is what the rule does at each of its looks.
         begin = time.process_time()
         means, counts = film.replicate_means()
-        self.chance, whole = chance_noise(means, counts, film.behind_glass), figure.value
-        if _LITTLE * whole < self.chance.noise:
-            means = without_samples(means, counts, self.chance.size)
+        self.rare, whole = rare_noise(means, counts, film.behind_glass), figure.value
+        if _LITTLE * whole < self.rare.noise:
+            means = without_samples(means, counts, self.rare.size)
             figure = estimate_relmse(means, counts).figure
         self.met = max(whole - figure.value, 0.0)
         known = film.largest_sample, film.by_chance
@@ -241,12 +241,12 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
 def plan_of(pilot: Pilot, replicates: int) -> Plan:
     """Work out the cost from what a pilot has seen."""
     spp, _, relmse = pilot.seen[-1]
-    if relmse + pilot.chance.noise == 0.0:
+    if relmse + pilot.rare.noise == 0.0:
         first = float(first_look(replicates))
         seconds = _seconds(pilot, Estimate(first, first, first), replicates)
         return Plan(Estimate(first, first, first), seconds, Estimate(0.0, 0.0, 0.0), 0.0, spp)
     slope = _slope(pilot.seen)
-    doubt = 1.96 * pilot.chance.doubt
+    doubt = 1.96 * pilot.rare.doubt
     needs = [
         spp * _times(pilot, s, math.exp(shift))
         for s, shift in zip(slope, (0.0, doubt, -doubt), strict=True)
@@ -301,10 +301,10 @@ def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
 
 def _rare(pilot: Pilot) -> float:
     """relMSE of rare light: what was expected, and the more has met it, what the samples tell."""
-    noise = pilot.chance.noise
+    noise = pilot.rare.noise
     if noise == 0.0:
         return 0.0
-    known = pilot.chance.piloted / noise
+    known = pilot.rare.piloted / noise
     return noise**known * max(pilot.met, 0.1 * noise) ** (1.0 - known)
 
 

@@ -73,7 +73,9 @@ def called(monkeypatch):
     for name in {one[0] for one in CALLS.values()}:
         monkeypatch.setattr(alight, name, keeper(name))
     monkeypatch.setattr("alight.options.loading.scene_of", lambda name, options: Loaded(name))
-    monkeypatch.setattr("alight.compiled.suspicions.suspicions", lambda scene: scene.warnings)
+    monkeypatch.setattr(
+        "alight.compiled.warnings.scenes.warnings_of_scene", lambda scene: scene.warnings
+    )
     return kept
 
 

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import alight
 from alight.cli.main import app
-from alight.compiled.suspicions import suspicions
+from alight.compiled.warnings.scenes import warnings_of_scene
 from alight.lab.sheet.tiles import render_tile
 from alight.options.view import ViewOptions
 from alight.rendering.executors.blocks import Threads
@@ -54,7 +54,7 @@ def told(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "odd.xml").write_text(ODD)
     (tmp_path / "study.yaml").write_text(STUDY)
-    found = suspicions(alight.load("odd.xml"))
+    found = warnings_of_scene(alight.load("odd.xml"))
     assert ["first sensor" in found[0], "float32" in found[1], len(found)] == [True, True, 2]
     return found
 

@@ -11,7 +11,7 @@ import pytest
 from alight.metrics.own_error import estimate_relmse
 from alight.rendering.depth_cap import _series
 from alight.rendering.plan import Pilot, _look_after, _times, plan_of
-from alight.rendering.schedules.chance import Chance
+from alight.rendering.schedules.rare_light import RareNoise
 from alight.rendering.schedules.stopping import Promise, first_look, judge_means, next_look
 
 
@@ -87,8 +87,8 @@ def test_ends_of_the_interval_are_looks_that_leave_room_for_the_rules_noise():
 def test_rare_light_is_noise_of_independent_samples(slope):
     """Of which no sample, few or many tell."""
     for known, met, told in ((1.0, 0.0, 0.09), (0.5, 0.04, 0.06), (0.0, 0.04, 0.04)):
-        chance = Chance(0.09, 0.09 * known, 0.09 * known)
-        plan = plan_of(pilot_of(slope, 0.05, need=1e-9, relmse=1e-9, chance=chance, met=met), 4)
+        rare = RareNoise(0.09, 0.09 * known, 0.09 * known)
+        plan = plan_of(pilot_of(slope, 0.05, need=1e-9, relmse=1e-9, rare=rare, met=met), 4)
         needed = 64.0 * told * 1.2**2 / 0.05**2
         assert plan.spp.value == pytest.approx(needed * math.sqrt(1.25), rel=1e-3)
         # 95 % of what the pilot and the samples know.
@@ -100,20 +100,20 @@ def test_rare_light_is_noise_of_independent_samples(slope):
 
 def test_two_kinds_of_noise_are_the_error_together():
     for slope in (1.2, 2.0):
-        pilot = pilot_of(slope, 0.005, need=16.0, chance=Chance(2e-4, 2e-4, 2e-4))
+        pilot = pilot_of(slope, 0.005, need=16.0, rare=RareNoise(2e-4, 2e-4, 2e-4))
         times = _times(pilot, slope)
         rare = 2e-4 * 1.2**2 / 0.005**2
         assert 16.0 * times**-slope + rare / times == pytest.approx(1.0, rel=1e-9)
 
 
 def test_plans_for_pixels_have_the_margin_of_normal_noise():
-    chance, promise = Chance(0.09, 0.09, 0.09), Promise(0.05, metric="pixel", share=0.95)
-    pilot = pilot_of(need=1e-9, relmse=1e-9, chance=chance, promise=promise)
+    rare, promise = RareNoise(0.09, 0.09, 0.09), Promise(0.05, metric="pixel", share=0.95)
+    pilot = pilot_of(need=1e-9, relmse=1e-9, rare=rare, promise=promise)
     assert _times(pilot, 1.0) == pytest.approx(0.09 * 1.96**2 / 0.05**2, rel=1e-3)
 
 
 def test_a_pilot_without_an_error_that_has_met_no_rare_light_needs_more_than_one_look():
-    plan = plan_of(pilot_of(relmse=0.0, need=1.0, chance=Chance(0.01, 0.01, 0.01)), 4)
+    plan = plan_of(pilot_of(relmse=0.0, need=1.0, rare=RareNoise(0.01, 0.01, 0.01)), 4)
     assert plan.spp.value > 64.0 * 0.01 / 0.01**2
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.rendering.pilot_rays import POINTS
-from alight.rendering.schedules.chance import Chance, chance_noise, without_samples
+from alight.rendering.schedules.rare_light import RareNoise, rare_noise, without_samples
 from alight.rendering.schedules.stopping import Promise, judge_means
 
 
@@ -30,15 +30,15 @@ def test_the_noise_of_rare_light_is_that_of_pictures_of_it():
     rates, sizes, spp = (3e-3, 4e-3), (100.0, 60.0), 64
     means, counts = numbers_of(rates, sizes, spp, 1, 64)
     rows = rows_of(rates, sizes, 64)
-    chance = chance_noise(means, counts, rows)
+    rare = rare_noise(means, counts, rows)
     true = 1.0 + sum(np.multiply(rates, sizes))
     error = means.mean(axis=2) - true
-    assert chance.noise == pytest.approx((error**2).mean() / (1.01 * true**2), rel=0.1)
+    assert rare.noise == pytest.approx((error**2).mean() / (1.01 * true**2), rel=0.1)
     # Hundreds of both kinds are met: replicates tell all of it.
-    assert chance.unmet < 1e-3 * chance.noise and chance.piloted < 0.1 * chance.noise
-    assert chance.doubt < 0.08 and chance.size == pytest.approx(180.0)
+    assert rare.unmet < 1e-3 * rare.noise and rare.piloted < 0.1 * rare.noise
+    assert rare.doubt < 0.08 and rare.size == pytest.approx(180.0)
     # Without those samples all replicates of nearly all pixels are 1 again.
-    rest = without_samples(means, counts, chance.size)
+    rest = without_samples(means, counts, rare.size)
     assert ((rest == 1.0).all(axis=(2, 3))).mean() > 0.9
     assert (means == 1.0).all(axis=(2, 3)).mean() < 0.7
     assert np.array_equal(without_samples(means, counts, math.inf), means)
@@ -48,12 +48,12 @@ def test_samples_tell_the_noise_of_what_they_have_met_and_not_of_larger_ones():
     """Of 65 536 samples 655 meet the small kind, and 0.66 the large one."""
     rates, sizes = np.array([1e-3, 1e-5]), np.array([3e3, 3e4])
     means, counts = np.full((32, 32, 4, 3), 2.0, np.float32), np.full((32, 32, 4), 16)
-    chance = chance_noise(means, counts, rows_of(rates, sizes))
+    rare = rare_noise(means, counts, rows_of(rates, sizes))
     part = rates * sizes**2 / (rates * sizes**2).sum()
     met = 65536 * np.array([rates.sum(), rates[1]])
-    assert chance.unmet == pytest.approx((part * np.exp(-met)).sum() * chance.noise, rel=1e-6)
-    assert chance.piloted == pytest.approx((part * 64 / (64 + met)).sum() * chance.noise, rel=1e-6)
-    assert chance.doubt == pytest.approx(2.0 * math.sqrt((part / (64 + met)).sum()))
+    assert rare.unmet == pytest.approx((part * np.exp(-met)).sum() * rare.noise, rel=1e-6)
+    assert rare.piloted == pytest.approx((part * 64 / (64 + met)).sum() * rare.noise, rel=1e-6)
+    assert rare.doubt == pytest.approx(2.0 * math.sqrt((part / (64 + met)).sum()))
 
 
 def test_noise_is_told_over_the_brightness_of_its_own_cell():
@@ -66,15 +66,15 @@ def test_noise_is_told_over_the_brightness_of_its_own_cell():
     for cell, brightness in ((3, 3.0), (0, 1.0)):
         rows[:, 1] = cell
         square = 0.5**2 / ((brightness + 0.5) ** 2 + (0.1 * 1.5) ** 2)
-        found = chance_noise(means, counts, rows)
+        found = rare_noise(means, counts, rows)
         assert found.noise == pytest.approx(255 / 256 * square / (1e-5 * 64), rel=1e-6)
 
 
 def test_light_that_most_replicates_have_met_is_not_rare():
     rates, sizes = (0.03,), (20.0,)
     means, counts = numbers_of(rates, sizes, 64, 1)
-    assert chance_noise(means, counts, rows_of(rates, sizes)) == Chance()
-    assert chance_noise(means, counts, None) == Chance()
+    assert rare_noise(means, counts, rows_of(rates, sizes)) == RareNoise()
+    assert rare_noise(means, counts, None) == RareNoise()
 
 
 def test_more_samples_are_told_for_the_noise_of_what_none_has_met():

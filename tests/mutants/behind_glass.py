@@ -82,7 +82,7 @@ BEHIND_GLASS = (
     Mutant(
         "plans that know no more than their samples",
         "rendering/plan.py",
-        (("if _LITTLE * whole < self.chance.noise:", "if False:"),),
+        (("if _LITTLE * whole < self.rare.noise:", "if False:"),),
         f"{PLANS}::test_the_plan_is_what_the_rule_takes_within_a_factor_of_two",
     ),
     Mutant(

@@ -122,9 +122,9 @@ BEYOND_EXAMPLES = (
     ),
     Mutant(
         "shapes that are far away on one side alone",
-        "compiled/suspicious_sizes.py",
+        "compiled/warnings/sizes.py",
         (("np.maximum(np.abs(low), np.abs(high)).max(axis=1)", "high.max(axis=1)"),),
-        "tests/scene/test_suspicious_sizes.py"
+        "tests/scene/test_warnings_of_sizes.py"
         "::test_what_is_far_away_for_its_size_is_rounded[node1]",
     ),
     Mutant(

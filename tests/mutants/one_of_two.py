@@ -112,14 +112,14 @@ ONE_OF_TWO = (
     ),
     Mutant(
         "boxes of bodies around the origin",
-        "compiled/suspicious_bodies.py",
+        "compiled/boxes.py",
         (
             (
                 "@ placed.to_world[:3, :3].T + placed.to_world[:3, 3]",
                 "@ placed.to_world[:3, :3].T",
             ),
         ),
-        "tests/scene/test_suspicious_bodies.py::test_the_box_around_a_shape_is_where_it_was_put"
+        "tests/scene/test_warnings_of_bodies.py::test_the_box_around_a_shape_is_where_it_was_put"
         "[mesh]",
     ),
     Mutant(

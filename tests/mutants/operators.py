@@ -44,10 +44,11 @@ STATISTICS = (
 #: and of the command line start processes that know nothing of a slip that was planted in memory:
 #: their bugs are planted by hand.
 PLAIN = (
+    "compiled/boxes.py",
     "compiled/casters.py",
     "compiled/light_gain.py",
     "compiled/light_targets.py",
-    "compiled/suspicious_*.py",
+    "compiled/warnings/*.py",
     "core/distributions.py",
     "formats/geometry/bounds.py",
     "formats/geometry/displacement.py",

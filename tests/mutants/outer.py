@@ -200,7 +200,7 @@ OUTER = (
     Mutant(
         "a guide is drawn without the warnings of its scene",
         "cli/guide.py",
-        (("    warn_of(description)\n", ""),),
+        (("    warn_of_scene(description)\n", ""),),
         f"{THIN}::test_a_command_passes_on_what_was_typed",
     ),
     Mutant(

@@ -3,7 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 SPACE = "tests/scene/test_rendering_space.py"
-CONTACTS = "tests/scene/test_suspicious_contacts.py"
+CONTACTS = "tests/scene/test_warnings_of_contacts.py"
 NOISE = "tests/textures/test_noise.py"
 STANDS = f"{NOISE}::test_a_pattern_stands_in_the_world_wherever_places_are_measured_from"
 
@@ -57,7 +57,7 @@ RENDERING_SPACE = (
     ),
     Mutant(
         "faces that touch at an edge taken for faces in one place",
-        "compiled/suspicious_contacts.py",
+        "compiled/warnings/contacts.py",
         (("axis, axis=2).all(axis=2)", "axis, axis=2).any(axis=2)"),),
         f"{CONTACTS}::test_others_are_not[along an edge]",
     ),

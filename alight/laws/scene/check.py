@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from alight.compiled.displacement import displaced
 from alight.compiled.scene import compile_scene
-from alight.compiled.suspicions import suspicions
+from alight.compiled.warnings.scenes import warnings_of_scene
 from alight.core.spec import Bsdf
 from alight.integrators.contributions import can_record
 from alight.laws.scene.dump import write_failures
@@ -96,7 +96,7 @@ def check_scene(
     """
     CheckOptions.of({"only": only})
     progress("reading the scene")
-    told = suspicions(scene)
+    told = warnings_of_scene(scene)
     return Verdict(tuple(_findings(scene, seed, only, progress)), level, told)
 
 

@@ -34,7 +34,7 @@ from alight.films import Film
 from alight.metrics.error_estimate import LARGEST_TOLD
 from alight.metrics.own_error import estimate_relmse
 from alight.options.render import PromiseOptions
-from alight.rendering.schedules.chance import chance_noise
+from alight.rendering.schedules.rare_light import rare_noise
 from alight.rendering.schedules.unseen import cell_sum, spread_over_pixels, unseen_error
 
 #: Samples per pixel at the first look, and their growth from look to look.
@@ -217,7 +217,7 @@ def judge_means(
         known = estimate.figure._replace(brightness=0.0, rise=0.0).quantile(sure)
         doubted = not within and known <= promise.error**2
         # Light that no sample has met adds its noise as soon as one does.
-        unmet = chance_noise(means, counts, behind).unmet
+        unmet = rare_noise(means, counts, behind).unmet
         factor = (achieved**2 + unmet) / promise.error**2
     else:
         share = share_within(means, counts, promise.error, promise.doubt)

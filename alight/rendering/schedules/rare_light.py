@@ -28,7 +28,7 @@ _RARE = 0.1
 _MOST = 0.9
 
 
-class Chance(NamedTuple):
+class RareNoise(NamedTuple):
     """Noise of rare light at the samples so far.
 
     Attributes
@@ -54,7 +54,7 @@ class Chance(NamedTuple):
         return _PILOT_DOUBT * math.sqrt(self.piloted / self.noise) if self.noise > 0.0 else 0.0
 
 
-def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | None) -> Chance:
+def rare_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | None) -> RareNoise:
     """Find the noise of rare light.
 
     How much of it the samples tell depends on how many of the picture's, half as large or larger,
@@ -68,7 +68,7 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
         `Film.behind_glass`.
     """
     if behind is None:
-        return Chance()
+        return RareNoise()
     n, replicates = counts.sum(axis=2), counts.shape[2]
     pixels, cells, light = cell_sum(np.ones(n.shape)), behind[:, 1].astype(int), behind[:, 2:5]
     spp = (cell_sum(n) / pixels).ravel()[cells]
@@ -76,7 +76,7 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
     rate = behind[:, -1]
     rows = (rate > 0.0) & (rate * spp < _RARE * replicates)
     if not light[rows].any():
-        return Chance()
+        return RareNoise()
     points, cells, light = behind[rows, 0].astype(int), cells[rows], light[rows]
     spp, rate = spp[rows], rate[rows]
     sample = light.sum(axis=1) / rate
@@ -101,7 +101,7 @@ def chance_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | Non
     noise, rate, size = noise[order], rate[order], size[order]
     events = np.cumsum(rate) * float(n.sum()) / POINTS
     met = events[np.searchsorted(-size, -0.5 * size, side="right") - 1]
-    return Chance(
+    return RareNoise(
         noise=float(noise.sum()),
         unmet=float((noise * np.exp(-met)).sum()),
         piloted=float((noise * _PILOT_EVENTS / (_PILOT_EVENTS + met)).sum()),

@@ -6,7 +6,7 @@ from alight.compiled.scene import compile_scene
 from alight.scene import Scene, flatten
 
 
-def suspicions(scene: Scene) -> tuple[str, ...]:
+def warnings_of_scene(scene: Scene) -> tuple[str, ...]:
     """`CompiledScene.warnings` of a scene, for which nothing is built or traced.
 
     Raises

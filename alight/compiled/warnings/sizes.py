@@ -20,7 +20,7 @@ COARSE = 1e-3
 SMALLEST, LARGEST = 1e-8, 1e9
 
 
-def suspicious_sizes(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...]:
+def warnings_of_sizes(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...]:
     """Warn of shapes that are deformed where they are, and of meshes without exact normals."""
     if not shapes.extents:
         return ()

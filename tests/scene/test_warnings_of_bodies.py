@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import alight
+from alight.compiled.boxes import box_of
 from alight.compiled.scene import compile_scene
-from alight.compiled.suspicious_bodies import box_of
 from alight.scene.flatten import flatten
 
 CUBE = {

@@ -39,7 +39,7 @@ class Faces(NamedTuple):
     high: NDArray[np.float64]
 
 
-def suspicious_contacts(flat: FlatScene, origin: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[str, ...]:
+def warnings_of_contacts(flat: FlatScene, origin: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[str, ...]:
     """Warn of two boundaries of media or glass that share a part of a face.
 
     Parameters

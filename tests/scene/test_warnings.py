@@ -2,7 +2,7 @@
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.compiled.suspicions import suspicions
+from alight.compiled.warnings.scenes import warnings_of_scene
 from alight.scene import flatten
 
 AWAY = {"translate": [2, 0, 0]}
@@ -31,5 +31,5 @@ def test_nothing_is_built_or_traced_and_all_is_told(monkeypatch):
     scene = alight.load(SCENE)
     with_rays = compile_scene(flatten(alight.changed(scene, {"integrator.caustics": "paths"})))
     monkeypatch.setattr("alight.compiled.scene.with_photons", None)
-    assert suspicions(scene) == with_rays.warnings != ()
+    assert warnings_of_scene(scene) == with_rays.warnings != ()
     assert compile_scene(flatten(scene), structure="none").program.accel == ()

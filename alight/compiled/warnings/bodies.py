@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from alight.bsdfs.nesting import scatters_inside
+from alight.compiled.boxes import box_of
 from alight.meshes.volume import enclosed_volume
 from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
-from alight.shapes.model import SHAPES
-
-Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 INSIDE_OUT = "a body whose normals point inwards is black: give its shape flip_normals: true"
 TURNED_OVER = "a body whose normals point inwards is black: leave out flip_normals"
 
 
-def suspicious_bodies(flat: FlatScene) -> tuple[str, ...]:
+def warnings_of_bodies(flat: FlatScene) -> tuple[str, ...]:
     """Warn of bodies that are inside out, and of those in fog that does not end at them."""
     inner = [scatters_inside(bsdf) for bsdf in flat.bsdfs]
     bodies = [placed for placed in flat.shapes if inner[placed.bsdf]]
@@ -54,19 +49,3 @@ def _in_fog(flat: FlatScene, bodies: list[PlacedShape]) -> list[str]:
                 found.append(f"{placed.name}: {text}, give it the interior of {name} as exterior")
                 break
     return found
-
-
-def box_of(flat: FlatScene, placed: PlacedShape) -> Box | None:
-    """The box around a shape at rest, metres; None where it has none."""
-    if placed.geometry != NO_GEOMETRY:
-        points = flat.geometries[placed.geometry].vertices.astype(np.float64)
-        points = points @ placed.to_world[:3, :3].T + placed.to_world[:3, 3]
-        return points.min(axis=0), points.max(axis=0)
-    corners: list[NDArray[np.float64]] = []
-    for part, place in placed.shape.parts() or ((placed.shape, np.eye(4)),):
-        model = SHAPES[part.type_name()]
-        if model.pack is None or model.bounds is None or model.is_many:
-            return None
-        corners += model.bounds(model.pack(part, placed.to_world @ place))
-    points = np.array(corners, np.float64)
-    return points.min(axis=0), points.max(axis=0)
