@@ -29,7 +29,7 @@ def _of_one(random, probability, lane, width):
 @pytest.mark.parametrize("probability", [0.03, 0.3, 0.9])
 def test_the_mean_count_is_one_over_the_probability(probability):
     random = np.random.default_rng(11)
-    counts = np.array([_of_one(random, probability, 5, BLOCK) for _ in range(3000)])
+    counts = np.array([_of_one(random, probability, 5, BLOCK) for _ in range(1200)])
     z = (counts.mean() - 1.0 / probability) / (counts.std() / np.sqrt(len(counts)))
     assert abs(z) < LARGEST_Z
     assert counts.std() / np.sqrt(len(counts)) < 0.03 / probability

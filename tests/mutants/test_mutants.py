@@ -8,21 +8,28 @@ from __future__ import annotations
 import os
 import re
 import shutil
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
+import alight
+from lanewise.machine import cache_folder, functions_folder
 from tests.mutants.forks import Forks, planted
 from tests.mutants.mutants import MUTANTS
 
-ROOT = Path(__file__).parents[2]
+#: Of the packages whose compiled functions are used again.
+ROOT = Path(alight.__file__).parents[1]
 
 #: "2/3": every third bug, from the second on. `make proofs` tries all of them.
 SHARE, OF = (int(part) for part in os.environ.get("PLANTED", "1/1").split("/"))
 TRIED = MUTANTS[SHARE - 1 :: OF]
 
-#: Runs that all killers are split into: one run of them all takes longer than one test may.
-PARTS = 8
+KILLERS = sorted({mutant.killer for mutant in TRIED})
+
+#: Runs that they are split into: one run of them all takes longer than one test may. None is empty,
+#: which would mean all tests.
+PARTS = min(8, len(KILLERS))
 
 #: In the root of a copy: tests that looked at the working tree instead would prove nothing.
 CONFTEST = """
@@ -55,9 +62,22 @@ def project(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def cache(tmp_path_factory):
-    """Functions that a bug does not touch are compiled once for all bugs and processes."""
+    """Functions that a bug does not touch are compiled once for all bugs and processes.
+
+    What the suite has compiled is there already: the copy has the same sources. A bug's functions
+    are kept apart from it.
+    """
     base = tmp_path_factory.getbasetemp()
-    return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "compiled"
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "compiled"
+    for kept in (cache_folder(), functions_folder()):
+        whole, part = folder / kept.name, tmp_path_factory.mktemp("part") / kept.name
+        if kept.is_dir() and not whole.is_dir():
+            shutil.copytree(kept, part)
+            whole.parent.mkdir(exist_ok=True)
+            # Another process may have been faster.
+            with suppress(OSError):
+                part.replace(whole)
+    return folder
 
 
 @pytest.fixture(scope="session")
@@ -91,9 +111,8 @@ def run_tests(forks: Forks, *tests: str) -> tuple[int, str]:
 @pytest.mark.proofs
 @pytest.mark.parametrize("part", range(PARTS))
 def test_killers_pass_without_a_bug(part, forks):
-    killers = sorted({mutant.killer for mutant in TRIED})
-    first, end = (len(killers) * edge // PARTS for edge in (part, part + 1))
-    code, said = run_tests(forks, *killers[first:end])
+    first, end = (len(KILLERS) * edge // PARTS for edge in (part, part + 1))
+    code, said = run_tests(forks, *KILLERS[first:end])
     assert code == 0, said
 
 
