@@ -144,9 +144,9 @@ def axes_of(walker):
     # Where m changes fastest: across the longer axis.
     x, y = where(half > 0.0, half + root, b), where(half > 0.0, b, root - half)
     size = sqrt(x * x + y * y)
-    round = size < 1e-20
-    scale = 1.0 / where(round, 1.0, size)
-    x, y = where(round, 0.0, x * scale), where(round, 1.0, y * scale)
+    alike = size < 1e-20
+    scale = 1.0 / where(alike, 1.0, size)
+    x, y = where(alike, 0.0, x * scale), where(alike, 1.0, y * scale)
     across, along = x * by_u + y * by_v, y * by_u - x * by_v
     wide = 1.0 / maximum(length(across), 1e-10)
     long = 1.0 / maximum(length(along), 1.0 / LONGEST_AXIS)
