@@ -75,6 +75,15 @@ def test_numbers_of_pictures_are_those_of_pbrt(kind, encoding, tmp_path):
     np.testing.assert_allclose(numbers_of(scene), expected, rtol=2e-6)
 
 
+def test_files_other_than_png_and_exr_lose_their_opacity(tmp_path):
+    texels = picture_in(tmp_path, "RGBA")
+    Image.fromarray(texels, "RGBA").save(tmp_path / "p.tga")
+    text = 'Texture "t" "float" "imagemap" "string filename" "p.tga"'
+    scene = read(f'{text} Shape "sphere" "texture alpha" "t"', folder=tmp_path)
+    expected = [[number_in_pbrt_4(t, "bilinear", "sRGB", True) for t in row] for row in texels]
+    np.testing.assert_allclose(numbers_of(scene), expected, rtol=2e-6)
+
+
 def test_colours_keep_their_file(tmp_path):
     picture_in(tmp_path, "RGBA")
     text = 'Texture "t" "spectrum" "imagemap" "string filename" "p.png"'
