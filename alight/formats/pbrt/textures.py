@@ -362,7 +362,7 @@ def _take_numbers(context: Context, data: Data, kind: str) -> None:
     except SceneError:
         # It is told of when the scene is compiled.
         return
-    found = numbers_in(image, space, kind, context.old)
+    found = numbers_in(image, data["file"], space, kind, context.old)
     if found is not None:
         del data["file"]
         data["pixels"] = found

@@ -75,6 +75,15 @@ def test_numbers_of_pictures_are_those_of_pbrt(kind, encoding, tmp_path):
     np.testing.assert_allclose(numbers_of(scene), expected, rtol=2e-6)
 
 
+def test_files_other_than_png_and_exr_lose_their_opacity(tmp_path):
+    texels = picture_in(tmp_path, "RGBA")
+    Image.fromarray(texels, "RGBA").save(tmp_path / "p.tga")
+    text = 'Texture "t" "float" "imagemap" "string filename" "p.tga"'
+    scene = read(f'{text} Shape "sphere" "texture alpha" "t"', folder=tmp_path)
+    expected = [[number_in_pbrt_4(t, "bilinear", "sRGB", True) for t in row] for row in texels]
+    np.testing.assert_allclose(numbers_of(scene), expected, rtol=2e-6)
+
+
 def test_colours_keep_their_file(tmp_path):
     picture_in(tmp_path, "RGBA")
     text = 'Texture "t" "spectrum" "imagemap" "string filename" "p.png"'
@@ -84,11 +93,11 @@ def test_colours_keep_their_file(tmp_path):
 
 
 def test_in_pbrt_3_only_an_alpha_of_nought_is_a_hole(tmp_path):
+    assert node(read_old('Shape "sphere" "float alpha" 0.25')).bsdf == "default"
     Image.fromarray(np.array([[0, 1, 255]], np.uint8), "L").save(tmp_path / "p.png")
     text = 'Texture "t" "float" "imagemap" "string filename" "p.png"'
     scene = read_old(f'{text} Shape "sphere" "texture alpha" "t"', folder=tmp_path)
     opacity = node(scene).bsdf.opacity
     assert (opacity.type_name(), opacity.texture) == ("threshold", "t")
     assert 0.0 < opacity.cutoff < (1.0 / 255.0) / 12.92
-    assert node(read_old('Shape "sphere" "float alpha" 0.25')).bsdf == "default"
     assert node(read_old('Shape "sphere" "float alpha" 0')).bsdf.opacity == 0.0
