@@ -224,7 +224,10 @@ def test_json_holds_all_numbers():
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--pixel", "512,3"), "--pixel: must be x,y with x in [0, 511] and y in [0, 511], got 512,3"),
+        (
+            ("--pixel", "512,3"),
+            "--pixel: must be x,y with x in [0, 511] and y in [0, 511], got 512,3",
+        ),
         (("--pixel", "-1,3"), "x in [0, 511] and y in [0, 511], got -1,3"),
         (("--pixel", "twelve"), '--pixel: must be X,Y in pixels, such as 12,7, got "twelve"'),
         (("--pixel", "1,1", "--sample", "-1"), "sample: must be a whole number in [0, 2147483647]"),
