@@ -9,6 +9,8 @@ from alight.core.frame import frame_from_normal, frame_from_tangent, to_local, t
 from alight.core.srgb import decode_srgb, encode_srgb
 from alight.core.wavelengths import wavelength_at, weights_at
 from alight.formats import loads
+from alight.integrators.largest_sample import largest_of_paths
+from alight.integrators.path import Path
 from alight.laws.samplers import twin
 from alight.samplers.sampling import sampler_state
 from alight.tone_curves.model import TONE_CURVES
@@ -135,6 +137,21 @@ def chosen() -> dict[str, object]:
     }  # fmt: skip
 
 
+def bounds_of_samples() -> dict[str, object]:
+    """Largest samples that paths can have, by their options."""
+    options = [
+        {"max_depth": depth, "rr_depth": first, "russian_roulette": roulette}
+        for depth in (1, 3, 7)
+        for first in (1, 3)
+        for roulette in ("none", "throughput")
+    ]
+    weights = 0.0, 0.8, 1.1
+    return {
+        "limited": [largest_of_paths(Path(**one), 0.7, 3.0, 0.8, 1.3) for one in options],
+        "unlimited": [largest_of_paths(Path(), 0.7, 3.0, weight, 1.3) for weight in weights],
+    }
+
+
 def random_words() -> dict[str, object]:
     """Hashes of counters."""
     words = np.random.default_rng(17).integers(0, 2**32, (4, N), np.uint32)
@@ -173,7 +190,7 @@ def shown(name: str) -> dict[str, object]:
 
 CASES = {
     "elementary": elementary, "warps": warped, "surfaces": surfaces, "spectra": spectral,
-    "distributions": chosen, "random-words": random_words,
+    "distributions": chosen, "random-words": random_words, "bounds-of-samples": bounds_of_samples,
     **{f"sampler-{text.strip('{').split(',')[0].split()[-1]}": partial(numbers, text)
        for text in SAMPLERS},
     **{f"tone-curve-{name}": partial(shown, name)

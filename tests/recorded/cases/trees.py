@@ -46,6 +46,8 @@ def tables(name: str, builder: str) -> dict[str, object]:
     """Every table of a tree: of long ones the ends, and sums that depend on the order."""
     found = compiled(name, builder)
     answer: dict[str, object] = {"plan": found.program.accel}
+    counts = ("triangles", "listed", "nodes", "blocks", "leaves", "depth", "sah_cost")
+    answer |= {name: found.stats[name] for name in counts}
     for field, table in found.tables.accel._asdict().items():
         answer |= {f"{field}{k}": ends_of(part) for k, part in enumerate(parts_of(table))}
     return answer

@@ -135,6 +135,7 @@ TEXTURES = {
     "marble": "{type: noise, pattern: turbulence, space: uv, color0: [0.8, 0.7, 0.6], color1: [0.2, 0.1, 0.3], scale: 2.5, octaves: 2, gain: 0.3, uv_set: 1}",
     "product": "{type: multiply, a: chequers, b: {type: add, a: clouds, b: [0.1, 0.2, 0.05]}}",
     "mixture": "{type: mix, a: picture, b: vertices, weight: {type: channel, texture: clouds, channel: g}}",
+    "tinted": "{type: mix, a: [0.1, 0.7, 0.3], b: [0.9, 0.2, 0.6], weight: {type: bitmap, pixels: [[[0.9, 0.2, 0.1], [0.3, 0.7, 0.2]]], to_uv: {scale: 3}}}",
     "edges": "{type: mix, a: [0.8, 0.3, 0.1], b: marble, weight: {type: threshold, texture: {type: channel, texture: tiles, channel: b}, cutoff: 0.35}}",
     "cut": "{type: clamp, texture: {type: add, a: picture, b: chequers}, high: 0.7}",
     "opacity": "{type: channel, texture: {type: bitmap, pixels: [[[0.9, 0.2, 0.1, 0.3], [0.3, 0.7, 0.2, 0.8]]], to_uv: {scale: 4}}, channel: a}",
@@ -179,7 +180,7 @@ SCENES = {
     "chequers": painted("chequers", "picture", "texels", "tiles"),
     "patterns": painted("clouds", "vertices", "marble", "rings"),
     "sums": painted("product", "mixture", "cut", "plain"),
-    "parts": painted("edges", "opacity", "mixture", "clouds"),
+    "parts": painted("edges", "opacity", "tinted", "clouds"),
 }  # fmt: skip
 
 CASES = films(SCENES) | {
