@@ -24,7 +24,7 @@ from alight.metrics.estimate import Estimate
 from alight.samplers.independent import Independent
 from alight.samplers.sobol import Sobol
 from tests.lab.report import synthetic
-from tests.recorded.making import described, film_of, in_folder, outcome, rows
+from tests.recorded.making import described, film_of, in_folder, masked, outcome, rows
 
 
 def _plain(value: Any) -> Any:
@@ -262,7 +262,7 @@ def asked() -> dict[str, Any]:
     for name in ("cornell-box", "milk", "instances", "motion-blur", "fog", "environment-map"):
         info = alight.info(name)
         found[name] = [str(info), info.remarks()]
-    found["html"] = alight.info("cornell-box", tree=True)._repr_html_()
+    found["html"] = masked(alight.info("cornell-box", tree=True)._repr_html_())
     found["changed"] = str(
         alight.info(
             "cornell-box",
