@@ -362,7 +362,7 @@ nodes:
   thread:
     shape: {type: curves, points: [[0, 0, 0], [1, 0, 0], [2, 1, 0], [3, 1, 1]], radii: 0.01}
     light: {type: area, radiance: 5}
-  other: {shape: sphere, light: {type: area}, transform: {translate: [0, 4, 0]}}
+  other: {shape: sphere, light: {type: area}, transform: {translate: [-4, 0, 0]}}
 """
     scene = compile_scene(flatten(loads(text)), structure="list")
     rows = int(scene.tables.shapes.info.array[4]) >> PRIMITIVES
