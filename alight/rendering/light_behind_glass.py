@@ -151,7 +151,11 @@ def _arriving(
         rows = np.flatnonzero(through)
         bundle = picked(start, rows), picked(towards, rows)
         size = 1.0 / np.sqrt(np.maximum(wide(light.pdf, n)[rows].astype(np.float64), 1e-30))
-        wider[rows], index[rows] = _magnified(pilot, *bundle, length[rows], size, seen.times[rows])
+        # Rays that meet nothing, or are mirrored, are no numbers.
+        with np.errstate(all="ignore"):
+            wider[rows], index[rows] = _magnified(
+                pilot, *bundle, length[rows], size, seen.times[rows]
+            )
     pdf = wide(light.pdf, n).astype(np.float64)
     lit = through & (pdf > 0.0) & ~wide(light.delta, n)
     value = columns_of(lanes_of(f_cos, n)) * columns_of(lanes_of(light.radiance, n))

@@ -139,7 +139,9 @@ def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     both = scene.tables._replace(lights=_both(scene.tables.lights, lights))
     lit = Pilot(scene, pilot.random, both)
     mirrors = any(is_caster(bsdf) for bsdf in flat.bsdfs)
-    arrived = _follow(lit, _set_out(lit), mirrors, min(longest - _EDGES + 2, MOST_SURFACES))
+    # What light misses is no number.
+    with np.errstate(all="ignore"):
+        arrived = _follow(lit, _set_out(lit), mirrors, min(longest - _EDGES + 2, MOST_SURFACES))
     if len(arrived.share) < NEAREST:
         return None
     table = gather(lit, seen, arrived)

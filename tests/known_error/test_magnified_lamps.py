@@ -13,7 +13,7 @@ from alight.scene import flatten
 RADIUS, HEIGHT, RADIANCE, ALBEDO, INDEX = 0.002, 2.0, 1e6, 0.4, 1.5
 
 
-def found(shape, place):
+def found(shape, place, lamp=(0, 0, HEIGHT)):
     """Mean radiance of the floor, and mean probability to meet the lamp, over those without glass.
 
     A cosine-distributed path meets a small lamp above it with the probability r^2 / h^2.
@@ -22,7 +22,7 @@ def found(shape, place):
         "floor": {"shape": "plane", "bsdf": {"type": "diffuse", "reflectance": ALBEDO}},
         "lamp": {
             "shape": {"type": "sphere", "radius": RADIUS},
-            "transform": {"translate": [0, 0, HEIGHT]},
+            "transform": {"translate": list(lamp)},
             "light": {"type": "area", "radiance": RADIANCE},
         },
         "glass": {
@@ -61,3 +61,12 @@ def test_a_slab_lifts_a_lamp():
     nearer = HEIGHT / (HEIGHT - thick * (1.0 - 1.0 / INDEX))
     light, q = found("cube", [{"scale": [9, 9, thick / 2]}, {"translate": [0, 0, 1]}])
     np.testing.assert_allclose([light, q], nearer**2, rtol=0.02)
+
+
+def test_where_no_refracted_ray_arrives_the_lamp_is_taken_as_it_is():
+    """From below, so flat that light is mirrored back: warnings are errors here."""
+    aside, high = 4.0, 1.6
+    place = [{"scale": [9, 9, 0.75]}, {"translate": [0, 0, 0.73]}]
+    light, q = found("cube", place, (aside, 0, high))
+    plain = high * HEIGHT**2 / (high**2 + aside**2) ** 1.5
+    np.testing.assert_allclose([light, q], plain, rtol=0.05)
