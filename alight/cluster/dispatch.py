@@ -290,8 +290,8 @@ class Dispatcher:
         if (unwanted and not allowed) or self._client.status != "running":
             return  # It is late from now on, or the cluster is lost.
         future = self._client.submit(
-            perform, self._function, self._shared.digest, self._asked, issue.task,
-            key=f"{self._shared.name[:16]}-{id(self):x}-{issue.number}-{next(self._numbers)}",
+            perform, self._function, self._shared.called, self._asked, issue.task,
+            key=f"{self._shared.name}-{issue.number}-{next(self._numbers)}",
             pure=False, workers=allowed if unwanted else None,
         )  # fmt: skip
         issue.futures.append(future)

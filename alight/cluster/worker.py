@@ -1,7 +1,8 @@
 """What runs in a worker's process: it keeps what tasks share, and answers one task after another.
 
-What tasks share reaches a worker once, by its digest; a worker that comes later, or is started
-again, is given it by the scheduler before its first task.
+What tasks share reaches a worker once; a worker that comes later, or is started again, is given it
+by the scheduler before its first task. Renders that share the same, of one client or of several,
+each send it under a name of their own: the first that ends takes nothing from the others.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
+import uuid
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from pathlib import Path
@@ -64,6 +66,13 @@ class Refusal(NamedTuple):
     machine: dict[str, str]
 
 
+class SharedName(NamedTuple):
+    """How a task calls what it shares with others; see `Shared`."""
+
+    name: str
+    digest: str
+
+
 class Shared(WorkerPlugin):
     """An object that all tasks use, as each worker keeps it.
 
@@ -76,6 +85,9 @@ class Shared(WorkerPlugin):
     ----------
     digest : str
         SHA-256 of `data`.
+    name : str
+        Of no other object, however equal.
+    called : SharedName
     data : bytes or mmap
         The latter in a worker, see `alight.cluster.shared_file`.
     """
@@ -85,7 +97,8 @@ class Shared(WorkerPlugin):
     def __init__(self, thing: Any) -> None:
         self.data: Any = packed(thing)
         self.digest = hashlib.sha256(self.data).hexdigest()
-        self.name = _name(self.digest)
+        self.name = f"alight-{self.digest[:16]}-{uuid.uuid4().hex}"
+        self.called = SharedName(self.name, self.digest)
 
     def setup(self, worker: Any) -> None:
         """Share the memory of the machine's other workers."""
@@ -95,10 +108,6 @@ class Shared(WorkerPlugin):
     def teardown(self, worker: Any) -> None:
         """Leave no file behind."""
         forget(self._folder, self.digest)
-
-
-def _name(digest: str) -> str:
-    return f"alight-{digest}"
 
 
 class Asked(NamedTuple):
@@ -127,7 +136,7 @@ def state_here(target: str) -> tuple[dict[str, str], str, float]:
 
 
 def perform(
-    function: Callable[[Any, Any], Any], digest: str, asked: Asked, task: Any
+    function: Callable[[Any, Any], Any], shared: SharedName, asked: Asked, task: Any
 ) -> Answer | Refusal:
     """Run a task: `function` of the shared object and the task.
 
@@ -135,15 +144,14 @@ def perform(
     ----------
     function : callable
         Of a module, so that it travels by its name.
-    digest : str
-        Of the `Shared` object.
+    shared : SharedName
     asked : Asked
     task : object
     """
     address = get_worker().address
     if fingerprint(asked.target) != asked.fingerprint:
         return Refusal(address, machine_here(asked.target))
-    thing, begin = _shared(digest), time.perf_counter()
+    thing, begin = _thing(shared), time.perf_counter()
     value = function(thing, task)
     _finished.append((time.monotonic(), getattr(task, "samples", 0.0)))
     return Answer(address, time.perf_counter() - begin, value)
@@ -155,13 +163,14 @@ def samples_per_second() -> float:
     return sum(samples for when, samples in list(_finished) if when > since) / _LATELY
 
 
-def _shared(digest: str) -> Any:
+def _thing(shared: SharedName) -> Any:
+    name, digest = shared
     with _lock:
         if digest not in _kept:
-            shared: Any = get_worker().plugins[_name(digest)]
-            if hashlib.sha256(shared.data).hexdigest() != digest:
+            plugin: Any = get_worker().plugins[name]
+            if hashlib.sha256(plugin.data).hexdigest() != digest:
                 raise ValueError("what tasks share has arrived with other bytes than were sent")
-            _kept[digest] = unpacked(shared.data)
+            _kept[digest] = unpacked(plugin.data)
         _kept.move_to_end(digest)
         while len(_kept) > KEPT:
             _kept.popitem(last=False)

@@ -7,8 +7,8 @@ keeps the time and turns the camera about the vertical through the middle of wha
 A frame that is there already is kept if its file says that it is this very picture: of the same
 scene, by its hash, with the same samples, kernels and display. So an animation that was killed
 goes on where it was, and one whose end was changed renders the end alone. Only EXR and PNG files
-say so, and a film is made from EXR files only. On a cluster the workers share the samples of each
-frame, and stay from frame to frame.
+say so, and a film is made from EXR files only. On a cluster the workers share two frames and the
+samples of each, and stay from frame to frame.
 """
 
 from __future__ import annotations
@@ -235,15 +235,14 @@ class Animation:
                 raise
 
     def _at_once(self) -> int:
-        """How many frames are in work: two, to leave no thread idle while a frame is written.
+        """How many frames are in work: two, to leave no thread or worker idle while one is written.
 
-        But one on a cluster and on one thread, where frames have a time for themselves, and where
-        they are so large that their samples alone keep all threads busy.
+        But one on a single thread, where frames have a time for themselves, and where they are so
+        large that their samples alone keep all threads busy.
         """
         width, height = self.prepared.scene.film.size
         alone = (
-            self.single.cluster is not None
-            or self.threads == 1
+            (self.threads == 1 and self.single.cluster is None)
             or time_limit_of(self.single) is not None
             or width * height > _LARGE
         )

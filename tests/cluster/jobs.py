@@ -52,6 +52,11 @@ def _is_first(folder, number):
     return True
 
 
+def keep_nothing():
+    """Forget what this process has unpickled, as one that was started again."""
+    alight.cluster.worker._kept.clear()
+
+
 def become_another_machine():
     """Let this process have another fingerprint, of a machine with other lanes."""
     alight.cluster.worker.fingerprint = lambda target: "another"

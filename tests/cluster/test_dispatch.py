@@ -83,6 +83,25 @@ def test_what_was_not_given_is_not_taken_back(client, caplog):
     assert not caplog.records
 
 
+def test_two_renders_of_the_same_take_nothing_from_each_other(client):
+    """Of one client or of two; a worker may have been started again meanwhile."""
+    first, second = (Dispatcher(client, jobs.multiplied, 7, same, LONG) for _ in range(2))
+    found = {}
+    first.open()
+    second.open()
+    first.close()
+    client.run(jobs.keep_nothing)
+    tasks = iter(range(8))
+    try:
+        second.run(functools.partial(next, tasks, None),
+                   lambda task, value, seconds: found.update({task: value}),
+                   threading.Event(), lambda: None)  # fmt: skip
+    finally:
+        second.close()
+    assert found == {n: 7 * n for n in range(8)}
+    assert second.counts["failed"] == 0
+
+
 def test_processes_of_a_local_cluster_do_not_watch_themselves_all_the_time(client):
     """Of Dask's own accord scheduler and nannies take 3 % of a core, and workers too."""
 

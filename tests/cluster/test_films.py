@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 
 import numpy as np
 import pytest
@@ -164,23 +165,34 @@ def test_a_lost_cluster_leaves_the_rest_to_this_process(many_tasks, impatient):
 
 
 def test_frames_of_an_animation_are_those_of_one_machine(client, many_tasks, monkeypatch, tmp_path):
+    """And two of them are in work: the second has its workers before the first lets go of them."""
+
     def animate(name, **words):
         (tmp_path / name).mkdir(exist_ok=True)
         words = {**BOX, "spp": 6, "turntable": True, "frames": "0:3", **words}
         alight.animate("cornell-box", output=tmp_path / name / "f_#.png", **words)
         return [path.read_bytes() for path in sorted((tmp_path / name).iterdir())]
 
-    dispatchers, make = [], dispatch.Dispatcher
+    dispatchers, opened, two_are_open, waited = [], [], threading.Event(), []
 
-    def made(*words):
-        dispatchers.append(make(*words))
-        return dispatchers[-1]
+    class Dispatcher(dispatch.Dispatcher):
+        def __init__(self, *words):
+            super().__init__(*words)
+            dispatchers.append(self)
 
-    monkeypatch.setattr(dispatch, "Dispatcher", made)
+        def open(self):
+            super().open()
+            opened.append(self)
+            if len(opened) == 2:
+                two_are_open.set()
+            waited.append(two_are_open.wait(30.0))
+
+    monkeypatch.setattr(dispatch, "Dispatcher", Dispatcher)
     own = animate("own")
     assert len(set(own)) == 3
     assert animate("theirs", cluster=client) == own
     assert [one.counts["tasks"] > 1 for one in dispatchers] == [True] * 3
+    assert all(waited)
     # Where a frame was rendered is no part of what it is.
     animate("own", cluster=client)
     assert len(dispatchers) == 3

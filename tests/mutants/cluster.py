@@ -7,6 +7,7 @@ TASKS = "tests/cluster/test_block_tasks.py"
 LIGHT = "tests/cluster/test_light_tasks.py"
 SHARED = "tests/cluster/test_shared_file.py"
 DISPATCH = "tests/cluster/test_dispatch.py"
+FILMS = "tests/cluster/test_films.py"
 STUDIES = "tests/cluster/test_studies.py"
 
 CLUSTER = (
@@ -50,6 +51,18 @@ CLUSTER = (
         "rendering/executors/block_tasks.py",
         (("if (_array(arrays, name, expected.shape) != expected).any():", "if False:"),),
         f"{TASKS}::test_a_malformed_answer_is_refused",
+    ),
+    Mutant(
+        "what two renders share under one name",
+        "cluster/worker.py",
+        (('{self.digest[:16]}-{uuid.uuid4().hex}"', '{self.digest[:16]}"'),),
+        f"{DISPATCH}::test_two_renders_of_the_same_take_nothing_from_each_other",
+    ),
+    Mutant(
+        "frames on a cluster one after the other",
+        "rendering/animation.py",
+        (("(self.threads == 1 and self.single.cluster is None)", "self.single.cluster"),),
+        f"{FILMS}::test_frames_of_an_animation_are_those_of_one_machine",
     ),
     Mutant(
         "answers of another task let in",
