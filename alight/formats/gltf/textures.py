@@ -160,7 +160,8 @@ class Textures:
                 data: bytes | memoryview = found
             else:
                 data, _ = view_bytes(self.document, image, "bufferView")
-            return packed_picture(data, lambda text: self.document.report.warn(image, text))
+            report = self.document.report
+            return packed_picture(data, lambda text: report.approximate(f"{image.pointer}: {text}"))
         except OutOfReachError as error:
             self.document.report.lacks_at(
                 image.name, image.at("uri"), error, f"{CHECKERED}, or {WITHOUT}"
