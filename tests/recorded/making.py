@@ -124,7 +124,7 @@ LONG = re.compile(r"(?<![\w.])-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 def masked(text: str) -> str:
     """A text without folders of this run, times, speeds, memory, dates, digests and last digits."""
-    text = LONG.sub(lambda found: f"{float(found[0]):.5g}", text)
+    text = LONG.sub(lambda found: f"{float(found[0]):.5g}", text.replace(f"{Path.cwd()}/", ""))
     for pattern, instead in MASKS:
         text = re.sub(pattern, instead, text)
     return text

@@ -1,5 +1,8 @@
 """Every recorded answer is still the same; see `tests.recorded.answers`."""
 
+import tempfile
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -17,6 +20,13 @@ def test_an_answer_is_still_the_recorded_one(name):
 
 def test_each_record_has_a_case():
     assert {*FOLDER.rglob("*.json")} == {path_of(name) for name in CASES}
+
+
+def test_records_know_no_folder_of_this_machine():
+    folders = {str(Path.cwd()), str(Path.home()), tempfile.gettempdir()} - {"/"}
+    for path in FOLDER.rglob("*.json"):
+        text = path.read_text("utf-8")
+        assert not [folder for folder in folders if f"{folder}/" in text], path
 
 
 def test_a_record_is_read_as_it_was_written(monkeypatch, tmp_path):

@@ -8,7 +8,6 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from alight.rendering.schedules.chance import Chance
 
 import alight
 from alight.cluster import addresses, files
@@ -26,6 +25,7 @@ from alight.lab.why.shares import TECHNIQUES, Part, Shares, relative_weights
 from alight.lab.why.trials import Trial, alternatives
 from alight.metrics.estimate import Estimate
 from alight.rendering import plan as plans
+from alight.rendering.schedules.rare_light import RareNoise
 from alight.rendering.schedules.stopping import Promise
 from alight.scene import flatten
 from tests.recorded.cases.renders import FILES, SCENE
@@ -133,18 +133,18 @@ def costs() -> dict[str, Any]:
             "seen": [(16, 0.1, 0.09), (32, 0.08, 0.05), (64, 0.06, 0.022)],
             "need": 7.0,
             "met": 0.03,
-            "chance": {"noise": 0.2, "piloted": 0.15, "size": 3.0},
+            "rare": {"noise": 0.2, "piloted": 0.15, "size": 3.0},
         },
     }
     for name, words_ in pilots.items():
-        of_chance = words_.pop("chance", {})
+        of_rare = words_.pop("rare", {})
         for promise in (Promise(0.05), Promise(0.3, 0.99, "pixel", 0.9)):
             for replicates in (4, 5):
                 pilot = plans.Pilot(
                     promise,
                     passes=[0.5, 0.6, 1.3],
                     looks=[0.01, 0.03, 0.02],
-                    chance=Chance(**of_chance),
+                    rare=RareNoise(**of_rare),
                     **words_,
                 )
                 plan = outcome(plans.plan_of, pilot, replicates)
