@@ -72,7 +72,8 @@ def check_shape(
     if len(channels) < 3:
         raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
     if crop is not None:
-        whole = isinstance(crop, list | tuple) and all(isinstance(c, WHOLE) for c in crop)
+        listed = isinstance(crop, list | tuple) or (isinstance(crop, np.ndarray) and crop.ndim > 0)
+        whole = listed and all(isinstance(c, WHOLE) for c in crop)
         if not whole or len(crop) != 4:
             text = f"must be four whole numbers, x, y, width and height, got {show_value(crop)}"
             raise OptionError(text, "crop")

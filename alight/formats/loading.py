@@ -123,6 +123,9 @@ def load(
     """
     expect(definitions, (Mapping, type(None)), "definitions", "a mapping of names to values")
     expect(root, (*PATH, type(None)), "root", "the path of a folder")
+    if isinstance(changes, Mapping):
+        text = "must list path.to.key=value assignments; alight.changed takes values by key paths"
+        raise OptionError(text, "changes")
     _check_assignments(changes)
     look = Look(up, smooth, color_map, color_range, point_radius)
     if not isinstance(scene, str | os.PathLike):

@@ -174,19 +174,20 @@ def _read_with_pillow(
 
     from PIL import Image
 
-    def opened(source: Path | bytes | memoryview) -> Any:
-        return source if isinstance(source, Path) else io.BytesIO(source)
+    def opened() -> Any:
+        return source.open("rb") if isinstance(source, Path) else io.BytesIO(source)
 
     with warnings.catch_warnings():
         # Pillow's own limits are above ours, but it reports them before we see the size.
         warnings.simplefilter("ignore")
         _blocks.keep(Image.core)
         try:
-            with Image.open(opened(source), formats=formats) as image:
+            # Of a file by its name, Pillow maps TIFF's grey pixels as wide as they are upright.
+            with opened() as file, Image.open(file, formats=formats) as image:
                 check_size(*image.size)
                 if image.mode == "F":
                     raise ValueError("holds floats: EXR and PFM files may")
-                pixels = _pixels_of(image, lambda: opened(source))
+                pixels = _pixels_of(image, opened)
                 return _upright(pixels, _orientation_of(image), tell)
         except Image.DecompressionBombError:
             raise ValueError("has too many pixels") from None
@@ -246,7 +247,7 @@ def _sixteen_bits(image: Any, again: Callable[[], Any]) -> np.ndarray:
     from PIL import Image
 
     halves = [np.asarray(image, np.uint16)]
-    with Image.open(again(), formats=("PNG",)) as swapped:
+    with again() as file, Image.open(file, formats=("PNG",)) as swapped:
         swapped.tile = [t._replace(args=str(t[3]).replace("16B", "16L")) for t in swapped.tile]
         halves.append(np.asarray(swapped, np.uint16))
     return halves[0] << 8 | halves[1]
@@ -256,7 +257,7 @@ def _grey_of_sixteen_bits(again: Callable[[], Any]) -> np.ndarray:
     """Grey and alpha: four bytes a pixel, which Pillow takes for those of four channels."""
     from PIL import Image
 
-    with Image.open(again(), formats=("PNG",)) as image:
+    with again() as file, Image.open(file, formats=("PNG",)) as image:
         image.tile = [tile._replace(args="RGBA") for tile in image.tile]
         return np.ascontiguousarray(image).view(">u2").astype(np.uint16)
 

@@ -111,6 +111,20 @@ def test_a_wrong_argument_is_told_by_its_name(call):
         assert named or shown or not told, (kind, told)
 
 
+def test_windows_may_be_arrays():
+    assert Film(8, 8, crop=np.array([1, 2, 3, 4])).crop == (1, 2, 3, 4)
+
+
+def test_a_pixel_of_uneven_parts_is_told_by_its_name():
+    with pytest.raises(OptionError, match=r"pixel: must be x,y .* got \[1, 2\],3"):
+        alight.trace("cornell-box", ([1, 2], 3))
+
+
+def test_values_by_key_paths_are_for_another_function():
+    with pytest.raises(OptionError, match=r"changes: must list .*; alight\.changed takes"):
+        alight.load("cornell-box", {"film.size": (8, 8)})
+
+
 @pytest.mark.parametrize(
     "call",
     [

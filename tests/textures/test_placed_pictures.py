@@ -66,6 +66,17 @@ def test_photos_stand_upright_and_it_is_told(tmp_path, kind, orientation):
     assert notes == (told if orientation > 1 and kind != "tif" else [])
 
 
+@pytest.mark.parametrize("orientation", SIDES)
+@pytest.mark.parametrize("bits", [8, 16])
+def test_grey_tiffs_of_plain_rows_stand_upright(tmp_path, bits, orientation):
+    # Pillow maps such files into memory where it is given their names.
+    upright = UPRIGHT[..., 0].astype(f"u{bits // 8}") << (bits - 8)
+    exif = Pillow.Exif()
+    exif[ORIENTATION] = orientation
+    Pillow.fromarray(stored(upright, orientation)).save(tmp_path / "a.tif", exif=exif)
+    assert np.array_equal(read_texels(tmp_path / "a.tif", lambda w, h: None), upright)
+
+
 @pytest.mark.parametrize("kind", ["jpg", "png", "webp"])
 def test_pictures_in_other_files_stand_upright_too(kind):
     texels = decode_texels(encoded(6, kind), lambda width, height: None)

@@ -120,7 +120,8 @@ def path_of(event: Event) -> Any:
 
 def _checked_pixel(pixel: tuple[int, int], size: tuple[int, int]) -> tuple[int, int]:
     width, height = size
-    is_pair = isinstance(pixel, list | tuple | np.ndarray) and np.shape(pixel) == (2,)
+    listed = isinstance(pixel, list | tuple) or (isinstance(pixel, np.ndarray) and pixel.ndim > 0)
+    is_pair = listed and len(pixel) == 2
     whole = is_pair and all(isinstance(c, int | np.integer) for c in pixel)
     if not whole or not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
         shown = ",".join(map(str, pixel)) if is_pair else show_value(pixel)
