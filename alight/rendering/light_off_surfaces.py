@@ -43,6 +43,9 @@ from alight.films import CELL_SIZE
 from alight.integrators.walk import to_local
 from alight.lights.emission.density import direct_density, is_kind
 from alight.lights.emission.sampling import no_emission, sample_emission
+from alight.lights.tables import STRIDE
+from alight.lights.tree.traversal import mis_probability
+from alight.lights.tree.ways import with_ways
 from alight.rendering.light_off_mirrors import NEAREST, Arrived, gather
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
@@ -232,6 +235,9 @@ def _scattered(
     start = zeros._replace(light=light.lamp, prim=light.prim, n=light.normal)
     led = pilot.twin(direct_density)(tables, start, surface.p, light.d, way)
     led = np.nan_to_num(wide(led, n).astype(np.float64))
+    alone = np.flatnonzero(~light.sized & ~light.turned)
+    if len(alone):
+        led[alone] = _chosen(pilot, light.some(alone), picked(lanes_of(surface.p, n), alone))
     # What lamps without a size bring is over their probability alone, and falls with the distance.
     led = np.where(light.near, led * way.astype(np.float64) ** 2, led)
     both = np.where(light.turned, 0.0, led) + np.where(light.turned | light.sized, reverse, 0.0)
@@ -242,3 +248,16 @@ def _scattered(
     straight = (turns.pdf > 0.0) & ~scatters & ((turns.flags & DELTA) != 0)
     seen = np.where(straight[:, None], turns.reversed_weight, seen)
     return np.nan_to_num(seen), np.where(straight, turns.spreading, share)
+
+
+def _chosen(pilot: Pilot, light: _Light, p: Vec3) -> np.ndarray:
+    """Probability of light sampling at p to choose lamps without a size."""
+    lights = pilot.tables.lights
+    own = lights.data.array[light.lamp * STRIDE + 3].astype(np.float64)
+    if not pilot.program.light_tree:
+        return own
+    tables = pilot.tables._replace(lights=with_ways(lights))
+    placed = Pilot(pilot.scene, pilot.random, tables).at(light.times)
+    inner = own == 0.0
+    by_tree = pilot.twin(mis_probability)(placed, light.lamp, np.uint32(0), p, inner)
+    return np.where(inner, wide(by_tree, len(own)), own)

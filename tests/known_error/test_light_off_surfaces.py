@@ -87,6 +87,26 @@ def test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_
     assert square == pytest.approx(ALBEDO**2 * (met * radiance**2).sum(), rel=0.1)
 
 
+@pytest.mark.parametrize("choice", ["tree", "uniform"])
+def test_lamps_at_a_point_are_as_likely_as_light_sampling_has_them(choice):
+    """Far and dark lamps below the floor, which a tree hardly asks from the card."""
+    below = {
+        f"below {x} {y}": {
+            "light": {"type": "point", "intensity": 0.1 * POINT["light"]["intensity"]},
+            "transform": {"translate": [3.0 * x, 3.0 * y, -50.0]},
+        }
+        for x in range(-2, 3)
+        for y in range(-2, 2)
+    }
+    integrator = {"type": "path", "max_depth": 3, "light_choice": choice}
+    table = found_in(room(integrator=integrator, lamp=POINT, **below))
+    _, radiance, met = of_card()
+    # A sample that has reached the card asks this lamp, or one of 21.
+    times = 1.0 if choice == "tree" else 21.0
+    square = (table[:, 2] ** 2 / table[:, 6]).sum() / POINTS
+    assert square == pytest.approx(times * ALBEDO**2 * (met * radiance**2).sum(), rel=0.2)
+
+
 def test_a_satin_bulb_keeps_the_power_of_its_lamp():
     """The lamp is in glass: étendue shrinks on the way out, and flux does not."""
     bulb = {

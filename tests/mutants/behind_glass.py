@@ -129,6 +129,12 @@ BEHIND_GLASS = (
         f"{SURFACES}::test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_large",
     ),
     Mutant(
+        "lamps at a point as likely as light paths have them",
+        "rendering/light_off_surfaces.py",
+        (("if len(alone):", "if False:"),),
+        f"{SURFACES}::test_lamps_at_a_point_are_as_likely_as_light_sampling_has_them[tree]",
+    ),
+    Mutant(
         "small bright surfaces in what mirrors and glass turn first",
         "rendering/light_off_surfaces.py",
         (("on &= ~(first & turns.sharp", "on &= ~(~first & turns.sharp"),),
