@@ -29,7 +29,7 @@ BEHIND_GLASS = (
     Mutant(
         "the sun behind a window as wide as the chance to choose it",
         "rendering/light_behind_glass.py",
-        (("seen_as = chosen / safe", "seen_as = 1.0 / safe"),),
+        (("seen_as = wider * chosen / safe", "seen_as = wider / safe"),),
         f"{GLASS}::test_the_pilot_sees_what_the_lamp_would_give_without_the_pane[3]",
     ),
     Mutant(
