@@ -245,7 +245,7 @@ def _magnified(
     bundle = np.concatenate([axis, axis + s, axis + np.cross(axis, s)])
     bundle /= np.sqrt(dots(bundle, bundle))[:, None]
     starts = Vec3(*np.tile(columns_of(o), (3, 1)).astype(np.float32).T.copy())
-    goal = np.where(far[:, None], np.inf * axis, lamp)
+    goal = np.where(far[:, None], np.inf, lamp)
     p, along, index = _refracted(pilot, starts, bundle, np.tile(goal, (3, 1)), np.tile(times, 3))
     p, along = p.reshape(3, n, 3), along.reshape(3, n, 3)
     # Where they cross the plane of the lamp; what comes from afar is a matter of directions.
@@ -254,7 +254,8 @@ def _magnified(
     cross = np.cross(ends[1] - ends[0], ends[2] - ends[0])
     wider = np.nan_to_num((step * length) ** 2 / np.sqrt(dots(cross, cross)))
     same = np.ptp(index.reshape(3, n), axis=0) < 1e-3 * index[:n]
-    bent = (np.abs(along[0] - axis) > 0.0).any(axis=1) | (index[:n] != 1.0)
+    # The ray in the middle may pass a lens straight on.
+    bent = (along != bundle.reshape(3, n, 3)).any(axis=(0, 2)) | (index[:n] != 1.0)
     good = bent & same & (wider > 1.0 / _MOST) & (wider < _MOST) & (far | (left > 0.0).all(axis=0))
     return np.where(good, wider, 1.0), np.where(good, index[:n], 1.0)
 

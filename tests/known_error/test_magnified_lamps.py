@@ -5,19 +5,16 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.rendering.light_behind_glass import DIRECTIONS, light_behind_glass
-from alight.rendering.pilot_rays import POINTS
+from alight.core.vec import Vec3
+from alight.rendering.light_behind_glass import DIRECTIONS, _magnified, light_behind_glass
+from alight.rendering.pilot_rays import POINTS, Pilot
 from alight.scene import flatten
 
 #: Lamp above a matte floor, of which little is seen: metres, W/(m^2 sr).
 RADIUS, HEIGHT, RADIANCE, ALBEDO, INDEX = 0.002, 2.0, 1e6, 0.4, 1.5
 
 
-def found(shape, place, lamp=(0, 0, HEIGHT)):
-    """Mean radiance of the floor, and mean probability to meet the lamp, over those without glass.
-
-    A cosine-distributed path meets a small lamp above it with the probability r^2 / h^2.
-    """
+def compiled(shape, place, lamp=(0, 0, HEIGHT)):
     nodes = {
         "floor": {"shape": "plane", "bsdf": {"type": "diffuse", "reflectance": ALBEDO}},
         "lamp": {
@@ -37,7 +34,15 @@ def found(shape, place, lamp=(0, 0, HEIGHT)):
         "camera": {"type": "orthographic", "height": 0.1, "transform": {"look_at": look}},
     })  # fmt: skip
     flat = flatten(scene)
-    table = light_behind_glass(flat, compile_scene(flat))[-POINTS * DIRECTIONS :]
+    return flat, compile_scene(flat)
+
+
+def found(shape, place, lamp=(0, 0, HEIGHT)):
+    """Mean radiance of the floor, and mean probability to meet the lamp, over those without glass.
+
+    A cosine-distributed path meets a small lamp above it with the probability r^2 / h^2.
+    """
+    table = light_behind_glass(*compiled(shape, place, lamp))[-POINTS * DIRECTIONS :]
     plain = (RADIUS / HEIGHT) ** 2
     return table[:, 2].sum() / POINTS / (ALBEDO * RADIANCE * plain), table[:, 5].mean() / plain
 
@@ -70,3 +75,17 @@ def test_where_no_refracted_ray_arrives_the_lamp_is_taken_as_it_is():
     light, q = found("cube", place, (aside, 0, high))
     plain = high * HEIGHT**2 / (high**2 + aside**2) ** 1.5
     np.testing.assert_allclose([light, q], plain, rtol=0.05)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.005])
+def test_a_ball_shows_what_is_far_in_any_direction_straight_up_too(tilt):
+    """Rays that begin a distance a before a lens of focal length f are 1 - a/f as far apart."""
+    radius, below = 0.2, 0.35
+    _, scene = compiled({"type": "sphere", "radius": radius}, {"translate": [0, 0, 1]})
+    pilot = Pilot(scene, np.random.default_rng(1))
+    o = Vec3(*(np.full(1, x, np.float32) for x in (0.0, 0.0, 1.0 - below)))
+    d = Vec3(*(np.full(1, x, np.float32) for x in (np.sin(tilt), 0.0, np.cos(tilt))))
+    wider, index = _magnified(pilot, o, d, np.full(1, np.inf), np.full(1, 0.01), pilot.times(1))
+    focal = INDEX * radius / (2.0 * (INDEX - 1.0))
+    assert wider[0] == pytest.approx((1.0 - below / focal) ** -2, rel=0.02)
+    assert index[0] == pytest.approx(1.0, rel=1e-4)
