@@ -138,5 +138,5 @@ def test_what_is_not_known_is_nan_and_unsure():
 
 
 def test_a_film_refuses_an_impossible_confidence():
-    with pytest.raises(OptionError, match=r"confidence: must lie in \(0 %, 100 %\), got 95"):
+    with pytest.raises(OptionError, match=r"confidence: must lie in \(0, 1\), as 0.95, got 95"):
         Film(8, 8).interval(95)
