@@ -121,12 +121,7 @@ def load(
     >>> load(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).nodes["mesh"].bsdf
     'mesh'
     """
-    expect(definitions, (Mapping, type(None)), "definitions", "a mapping of names to values")
-    expect(root, (*PATH, type(None)), "root", "the path of a folder")
-    if isinstance(changes, Mapping):
-        text = "must list path.to.key=value assignments; alight.changed takes values by key paths"
-        raise OptionError(text, "changes")
-    _check_assignments(changes)
+    _check_arguments(changes, definitions, root)
     look = Look(up, smooth, color_map, color_range, point_radius)
     if not isinstance(scene, str | os.PathLike):
         reading = {
@@ -163,6 +158,15 @@ def load(
     chosen = (lenient, kept_root, variant, scene_name, animation, at)
     recipe = Recipe(path, tuple(changes), dict(definitions or {}), *chosen)
     return result.from_source(replace(result.source, recipe=recipe))
+
+
+def _check_arguments(changes: Any, definitions: Any, root: Any) -> None:
+    expect(definitions, (Mapping, type(None)), "definitions", "a mapping of names to values")
+    expect(root, (*PATH, type(None)), "root", "the path of a folder")
+    if isinstance(changes, Mapping):
+        text = "must list path.to.key=value assignments; alight.changed takes values by key paths"
+        raise OptionError(text, "changes")
+    _check_assignments(changes)
 
 
 def _loaded_object(

@@ -172,7 +172,7 @@ def _read_with_pillow(
     import io
     import warnings
 
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     def opened() -> Any:
         return source.open("rb") if isinstance(source, Path) else io.BytesIO(source)
@@ -189,6 +189,9 @@ def _read_with_pillow(
                     raise ValueError("holds floats: EXR and PFM files may")
                 pixels = _pixels_of(image, opened)
                 return _upright(pixels, _orientation_of(image), tell)
+        except UnidentifiedImageError:
+            # Its own words name the open file, as Python writes it.
+            raise ValueError("is no picture, or its beginning is damaged") from None
         except Image.DecompressionBombError:
             raise ValueError("has too many pixels") from None
 

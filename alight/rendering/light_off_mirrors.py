@@ -30,7 +30,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.nesting import has_holes
 from alight.compiled.casters import boxes_of_casters, is_caster
@@ -38,17 +37,16 @@ from alight.compiled.lights import emitting_lights
 from alight.compiled.rendering_space import in_rendering_space
 from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
-from alight.integrators.walk import to_local
 from alight.lights.emission.density import is_kind
 from alight.lights.emission.from_environments import line_pdf
 from alight.lights.emission.sampling import emission_towards, sample_emission
+from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
     Seen,
     columns_of,
     dots,
-    joined,
     lanes_of,
     picked,
     wide,
@@ -58,9 +56,6 @@ from alight.shapes.hit import INFO
 
 #: Light paths.
 PATHS = 2**16
-
-#: Those around a point whose flux is taken together.
-NEAREST = 16
 
 #: Balls around casters at which light paths aim, drawn at random if there are more.
 _BALLS = 32
@@ -100,16 +95,6 @@ class _Light(NamedTuple):
 
     def some(self, rows: np.ndarray) -> _Light:
         return _Light(*(picked(part, rows) for part in self))
-
-
-class Arrived(NamedTuple):
-    """Light at surfaces: places and normals, directions that it comes from; as of `_Light`."""
-
-    p: np.ndarray
-    n: np.ndarray
-    towards: np.ndarray
-    radiance: np.ndarray
-    share: np.ndarray
 
 
 def light_off_mirrors(
@@ -279,68 +264,4 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> Arrived:
             turned=light.turned | sharp,
             aside=light.aside | reflected | (light.turned & ~passed),
         ).some((turns.pdf > 0.0) & (passed | light.turned))
-    none = np.zeros((0, 3))
-    return joined(found) if found else Arrived(none, none, none, none, np.zeros(0))
-
-
-# ---------------------------------------------------------------- at what the camera sees
-
-
-def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
-    """Light at the points of the picture, by its nearest light paths."""
-    surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
-    n = len(seen.point)
-    p, normal = columns_of(lanes_of(surface.p, n)), columns_of(lanes_of(surface.ns, n))
-    near, reach = np.zeros((n, NEAREST), int), np.zeros((n, NEAREST))
-    x, y, z = np.ascontiguousarray(arrived.p.T)
-    for row in range(n):
-        squares = (x - p[row, 0]) ** 2 + (y - p[row, 1]) ** 2 + (z - p[row, 2]) ** 2
-        squares[np.abs(arrived.n @ normal[row]) < 0.5] = np.inf
-        near[row] = _least(squares)
-        reach[row] = squares[near[row]]
-    widest = reach.max(axis=1)
-    # The farthest of them has chosen the circle, so it is not counted.
-    rows, columns = np.nonzero((reach < widest[:, None]) & np.isfinite(widest)[:, None])
-    paths, area = near[rows, columns], np.pi * np.maximum(widest[rows], 1e-30)
-    some = seen.some(rows)
-    surface, wo = pilot.surface(some.hit, some.o, some.d, some.times)
-    wi = pilot.twin(to_local)(surface, Vec3(*arrived.towards[paths].astype(np.float32).T))
-    there = np.full(len(rows), True)
-    f_cos, pdf = pilot.twin(evaluate_bsdf)(pilot.at(some.times), surface, wo, wi, there)
-    cosine = np.maximum(np.abs(wide(wi.z, len(rows)).astype(np.float64)), 1e-6)
-    share = arrived.share[paths] / (area * cosine)
-    f_cos = np.nan_to_num(columns_of(lanes_of(f_cos, len(rows))))
-    radiance = some.weight * f_cos * arrived.radiance[paths] * share[:, None]
-    q = np.nan_to_num(wide(pdf, len(rows)).astype(np.float64)) * share
-    return _by_size(some.point, some.cell, radiance, q)
-
-
-def _least(values: np.ndarray) -> np.ndarray:
-    """Where the `NEAREST` least values are, ascending.
-
-    Every sixteenth value is asked first: as many of these as are wanted bound them from above.
-    """
-    some = values[::NEAREST]
-    if len(some) >= NEAREST:
-        bound = np.partition(some, NEAREST - 1)[NEAREST - 1]
-        # A point that is not a number is near none, and the bound is none either.
-        rows = np.flatnonzero(~(values > bound))
-    else:
-        rows = np.arange(len(values))
-    return np.sort(rows[np.argpartition(values[rows], NEAREST - 1)[:NEAREST]])
-
-
-def _by_size(
-    point: np.ndarray, cell: np.ndarray, radiance: np.ndarray, q: np.ndarray
-) -> np.ndarray:
-    """Rows of `light_behind_glass`: at each point, light of samples of about the same size."""
-    total = radiance.sum(axis=1)
-    some = (total > 0.0) & (q > 0.0)
-    size = np.zeros(len(q), int)
-    size[some] = np.floor(np.log2(total[some] / q[some])).astype(int)
-    keys = np.column_stack([point, cell, size])[some]
-    kinds, of_row = np.unique(keys, axis=0, return_inverse=True)
-    sums = np.zeros((len(kinds), 4))
-    np.add.at(sums, of_row.ravel(), np.column_stack([radiance, q])[some])
-    sums[:, 3] = np.minimum(sums[:, 3], 1.0)
-    return np.column_stack([kinds[:, :2], sums, sums[:, 3]])
+    return all_of(found)

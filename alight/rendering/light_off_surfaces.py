@@ -46,14 +46,13 @@ from alight.lights.emission.sampling import no_emission, sample_emission
 from alight.lights.tables import STRIDE
 from alight.lights.tree.traversal import mis_probability
 from alight.lights.tree.ways import with_ways
-from alight.rendering.light_off_mirrors import NEAREST, Arrived, gather
+from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
     Turns,
     columns_of,
     dots,
-    joined,
     lanes_of,
     picked,
     seen_points,
@@ -218,8 +217,7 @@ def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> Arrived:
             share=light.share * share / np.where(on, keep, 1.0),
             turned=light.turned | first,
         ).some(on)
-    none = np.zeros((0, 3))
-    return joined(found) if found else Arrived(none, none, none, none, np.zeros(0))
+    return all_of(found)
 
 
 def _scattered(

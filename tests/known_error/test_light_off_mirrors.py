@@ -7,8 +7,8 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.rendering.arriving_light import NEAREST, _least
 from alight.rendering.light_behind_glass import light_behind_glass
-from alight.rendering.light_off_mirrors import NEAREST, _least
 from alight.rendering.pilot_rays import POINTS
 from alight.rendering.schedules.stopping import Promise, judge_means
 from alight.scene import flatten

@@ -64,7 +64,7 @@ BEHIND_GLASS = (
     ),
     Mutant(
         "mirrors that are met by every sample",
-        "rendering/light_off_mirrors.py",
+        "rendering/arriving_light.py",
         (("* share\n    return _by_size", "* 0.0 + 1.0\n    return _by_size"),),
         f"{MIRRORS}::test_a_picture_that_no_such_light_has_met_is_not_promised",
     ),

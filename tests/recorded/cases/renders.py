@@ -105,6 +105,9 @@ def _film(words: dict[str, Any], heard: Any) -> dict[str, Any]:
 
 
 RENDER = ("render", "scene.yaml", "--threads", "1")
+CHECKPOINT = (
+    *RENDER, "--spp", "4", "--checkpoint", "a.checkpoint", "-o", "b.exr", "--size", "9x8",
+)  # fmt: skip
 #: Commands by what they are for; later ones take files of earlier ones.
 LINES = {
     "render": (
@@ -120,28 +123,8 @@ LINES = {
         "--aov",
         "albedo",
     ),
-    "checkpoint": (
-        *RENDER,
-        "--spp",
-        "4",
-        "--checkpoint",
-        "a.checkpoint",
-        "-o",
-        "b.exr",
-        "--size",
-        "9x8",
-    ),
-    "again": (
-        *RENDER,
-        "--spp",
-        "4",
-        "--checkpoint",
-        "a.checkpoint",
-        "-o",
-        "b.exr",
-        "--size",
-        "9x8",
-    ),
+    "checkpoint": CHECKPOINT,
+    "again": CHECKPOINT,
     "resume": ("resume", "a.checkpoint", "--spp", "7", "-o", "c.exr", "--threads", "1"),
     "resume to less": ("resume", "a.checkpoint", "--spp", "2", "-o", "d.exr"),
     "part 1": (*RENDER, "--spp", "6", "--part", "1/2", "-o", "p1.alight"),

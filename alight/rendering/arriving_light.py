@@ -1,0 +1,109 @@
+r"""Light that paths from the lamps bring to what the camera sees: how much, how often it is met.
+
+Where light paths of flux :math:`\Phi = L G`, radiance and étendue, arrive within :math:`\pi r^2`
+around a point, they add the radiance :math:`f \Phi / (\pi r^2)` (Jensen 1996), and a path from the
+camera is scattered into their light with the probability
+:math:`q = p_b\, G / (|\cos\theta|\, \pi r^2)`; see `alight.rendering.light_off_mirrors`.
+
+Source: Jensen, Global illumination using photon maps, 1996.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from alight.bsdfs.dispatch import evaluate_bsdf
+from alight.core.vec import Vec3
+from alight.integrators.walk import to_local
+from alight.rendering.pilot_rays import Pilot, Seen, columns_of, joined, lanes_of, wide
+
+#: Light paths around a point whose flux is taken together.
+NEAREST = 16
+
+
+class Arrived(NamedTuple):
+    """Light at surfaces.
+
+    Attributes
+    ----------
+    p, n, towards : (n, 3) float64
+        Places, normals, and directions that it comes from.
+    radiance : (n, 3) float64
+    share : (n,) float64
+        Étendue, m^2 sr; its product with the radiance is the flux.
+    """
+
+    p: np.ndarray
+    n: np.ndarray
+    towards: np.ndarray
+    radiance: np.ndarray
+    share: np.ndarray
+
+
+def all_of(found: Sequence[Arrived]) -> Arrived:
+    """What has arrived at one surface after another, together."""
+    none = np.zeros((0, 3))
+    return joined(found) if found else Arrived(none, none, none, none, np.zeros(0))
+
+
+def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
+    """Light at the points of the picture, by its nearest light paths."""
+    surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
+    n = len(seen.point)
+    p, normal = columns_of(lanes_of(surface.p, n)), columns_of(lanes_of(surface.ns, n))
+    near, reach = np.zeros((n, NEAREST), int), np.zeros((n, NEAREST))
+    x, y, z = np.ascontiguousarray(arrived.p.T)
+    for row in range(n):
+        squares = (x - p[row, 0]) ** 2 + (y - p[row, 1]) ** 2 + (z - p[row, 2]) ** 2
+        squares[np.abs(arrived.n @ normal[row]) < 0.5] = np.inf
+        near[row] = _least(squares)
+        reach[row] = squares[near[row]]
+    widest = reach.max(axis=1)
+    # The farthest of them has chosen the circle, so it is not counted.
+    rows, columns = np.nonzero((reach < widest[:, None]) & np.isfinite(widest)[:, None])
+    paths, area = near[rows, columns], np.pi * np.maximum(widest[rows], 1e-30)
+    some = seen.some(rows)
+    surface, wo = pilot.surface(some.hit, some.o, some.d, some.times)
+    wi = pilot.twin(to_local)(surface, Vec3(*arrived.towards[paths].astype(np.float32).T))
+    there = np.full(len(rows), True)
+    f_cos, pdf = pilot.twin(evaluate_bsdf)(pilot.at(some.times), surface, wo, wi, there)
+    cosine = np.maximum(np.abs(wide(wi.z, len(rows)).astype(np.float64)), 1e-6)
+    share = arrived.share[paths] / (area * cosine)
+    f_cos = np.nan_to_num(columns_of(lanes_of(f_cos, len(rows))))
+    radiance = some.weight * f_cos * arrived.radiance[paths] * share[:, None]
+    q = np.nan_to_num(wide(pdf, len(rows)).astype(np.float64)) * share
+    return _by_size(some.point, some.cell, radiance, q)
+
+
+def _least(values: np.ndarray) -> np.ndarray:
+    """Where the `NEAREST` least values are, ascending.
+
+    Every sixteenth value is asked first: as many of these as are wanted bound them from above.
+    """
+    some = values[::NEAREST]
+    if len(some) >= NEAREST:
+        bound = np.partition(some, NEAREST - 1)[NEAREST - 1]
+        # A point that is not a number is near none, and the bound is none either.
+        rows = np.flatnonzero(~(values > bound))
+    else:
+        rows = np.arange(len(values))
+    return np.sort(rows[np.argpartition(values[rows], NEAREST - 1)[:NEAREST]])
+
+
+def _by_size(
+    point: np.ndarray, cell: np.ndarray, radiance: np.ndarray, q: np.ndarray
+) -> np.ndarray:
+    """Rows of `light_behind_glass`: at each point, light of samples of about the same size."""
+    total = radiance.sum(axis=1)
+    some = (total > 0.0) & (q > 0.0)
+    size = np.zeros(len(q), int)
+    size[some] = np.floor(np.log2(total[some] / q[some])).astype(int)
+    keys = np.column_stack([point, cell, size])[some]
+    kinds, of_row = np.unique(keys, axis=0, return_inverse=True)
+    sums = np.zeros((len(kinds), 4))
+    np.add.at(sums, of_row.ravel(), np.column_stack([radiance, q])[some])
+    sums[:, 3] = np.minimum(sums[:, 3], 1.0)
+    return np.column_stack([kinds[:, :2], sums, sums[:, 3]])
