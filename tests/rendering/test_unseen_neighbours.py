@@ -27,6 +27,8 @@ nodes:
                                     {translate: [-0.6, 0.7, 0]}]}
   tube: {shape: cylinder, transform: [{scale: [0.4, 0.4, 1.2]}, {rotate: {axis: x, angle: -90}},
                                       {translate: [0.6, 0, 0]}]}
+  lid: {shape: disk, transform: [{scale: [0.4, 0.4, 1]}, {rotate: {axis: x, angle: -90}},
+                                 {translate: [0.6, 1.2, 0]}]}
   lamp: {shape: disk, light: {type: area, radiance: 9},
          transform: [{rotate: {axis: x, angle: 90}}, {scale: 0.7}, {translate: [0, 3, 1]}]}
 """
@@ -79,10 +81,13 @@ INTEGRATORS = (Path(max_depth=4, rr_depth=2, heuristic="balance"), VolPath(max_d
 
 
 def stage(bsdf, integrator):
-    """A ball and a tube of a material, on a floor, under a lamp."""
+    """A ball and a closed tube of a material, on a floor, under a lamp.
+
+    A lid closes the tube: in a white body without an end, a single walk takes minutes.
+    """
     scene = loads(STAGE, "stage")
     nodes = dict(scene.nodes)
-    for name in ("ball", "tube"):
+    for name in ("ball", "tube", "lid"):
         nodes[name] = nodes[name].replaced(bsdf=bsdf)
     return scene.replaced(nodes=nodes, integrator=integrator)
 
