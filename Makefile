@@ -6,7 +6,7 @@ JOBS ?= 2
 SEEDS ?= 0-1
 SEED ?= 1
 COUNT ?= 500
-PLANTED ?= 1/1
+PORTION ?= 1/1
 BIN := $(VENV)/bin
 # The compiler, the core, all built-in scenes and the bits of films.
 SMOKE := tests/lanewise tests/core tests/scene tests/options tests/determinism
@@ -80,7 +80,7 @@ proofs: setup-dev
 	# Where packets have 8 lanes anyway, `make test` was this, and more.
 	[ "$$($(BIN)/python -c 'from lanewise import machine; print(machine.lanes_of_machine())')" = 8 ] || \
 		ALIGHT_LANES=8 $(BIN)/python -m pytest -n $(JOBS) $(SMOKE) $(LANES)
-	PLANTED=$(PLANTED) $(BIN)/python -m pytest -n $(JOBS) -m proofs
+	PORTION=$(PORTION) $(BIN)/python -m pytest -n $(JOBS) -m proofs
 
 smoke: setup-dev
 	$(BIN)/python -m pytest -n $(JOBS) $(SMOKE)

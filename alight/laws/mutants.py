@@ -1,8 +1,9 @@
 """Classical bugs of path tracers, to be planted in a copy of alight that `check` then tests.
 
 A bug is a change of text in one or more files of the package. It is planted in a copy in a folder
-of its own, which another process imports with a kernel cache of its own: this process, its machine
-code and the cache on disk never know of it.
+of its own, which another process imports with a kernel cache of its own: this process and its
+machine code never know of it. Both have the functions that the bug does not touch, which are kept
+by their text.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 from alight.core.errors import AlightError, OptionError, unknown_name
+from lanewise.machine import functions_folder
 
 
 class Mutant(NamedTuple):
@@ -187,11 +190,22 @@ def plant(mutant: Mutant, folder: Path) -> None:
         path.write_text(text.replace(old, new), "utf-8")
 
 
+def _share_functions(cache: Path) -> None:
+    """What the bug does not touch need not be compiled again: functions are kept by their text."""
+    functions = functions_folder()
+    # Without links, as on some file systems, all is compiled.
+    with suppress(OSError):
+        functions.mkdir(parents=True, exist_ok=True)
+        cache.mkdir()
+        (cache / functions.name).symlink_to(functions.absolute(), target_is_directory=True)
+
+
 def run_with(mutant: Mutant, arguments: Sequence[str]) -> int:
     """Run the command line of a copy of alight with a bug; its exit code."""
     with tempfile.TemporaryDirectory(prefix="alight-mutant-") as name:
         folder = Path(name).resolve()
         plant(mutant, folder)
+        _share_functions(folder / "cache")
         environment = {
             **os.environ,
             "ALIGHT_CACHE": str(folder / "cache"),

@@ -301,7 +301,9 @@ def test_mistakes_are_found_before_rendering(alight):
     assert alight.stub.scene is None
 
 
-def test_a_disk_that_fills_while_rendering_gives_one_message(alight, tmp_path):
+def test_a_disk_that_fills_while_rendering_gives_one_message(alight, tmp_path, monkeypatch):
+    # Where the samples are kept instead.
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     stub = StubRender(during={"render": lambda: (tmp_path / "gone").rename(tmp_path / "away")})
     (tmp_path / "gone").mkdir()
     result = alight("render", "--size", "8x8", "--spp", "4", "-o", "gone/a.png", stub=stub)

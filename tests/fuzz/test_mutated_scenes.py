@@ -20,6 +20,7 @@ from tests.fuzz.model_files import copy_models, models
 from tests.fuzz.pbrt_files import pbrt_files, write_files
 from tests.fuzz.pictures import pictures
 from tests.fuzz.usd_files import copy_pictures, usd_files
+from tests.portion import portion
 
 #: Processor time that one scene may take; the slowest takes less than a tenth of it.
 MOST_SECONDS = 10.0
@@ -128,7 +129,7 @@ def test_mutated_gltf_and_obj_files_render_or_are_refused(renderer, tmp_path):
 @pytest.mark.proofs
 def test_three_thousand_mutated_gltf_and_obj_files_render_or_are_refused(renderer, tmp_path):
     copy_models(tmp_path)
-    check(renderer, models(seed=4, n=3000), tmp_path)
+    check(renderer, portion(models(seed=4, n=3000)), tmp_path)
 
 
 def test_mutated_files_of_pbrt_render_or_are_refused(renderer, tmp_path):
@@ -150,49 +151,49 @@ def test_mutated_documents_of_materialx_render_or_are_refused(renderer, tmp_path
 @pytest.mark.proofs
 def test_six_hundred_mutated_documents_of_materialx_render_or_are_refused(renderer, tmp_path):
     copy_picture(tmp_path)
-    check(renderer, materialx_files(seed=4, n=600), tmp_path)
+    check(renderer, portion(materialx_files(seed=4, n=600)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_three_hundred_mutated_files_of_openusd_render_or_are_refused(renderer, tmp_path):
     pytest.importorskip("pxr")
     copy_pictures(tmp_path)
-    check(renderer, usd_files(seed=4, n=300), tmp_path)
+    check(renderer, portion(usd_files(seed=4, n=300)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_two_thousand_mutated_scenes_render_or_are_refused(renderer, tmp_path):
-    check(renderer, mutations(seed=4, n=2000), tmp_path)
+    check(renderer, portion(mutations(seed=4, n=2000)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_two_thousand_scenes_with_extreme_numbers_render_or_are_refused(renderer, tmp_path):
-    check(renderer, extremes(seed=4, n=2000), tmp_path)
+    check(renderer, portion(extremes(seed=4, n=2000)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_two_thousand_scenes_with_mutated_pictures_render_or_are_refused(renderer, tmp_path):
-    check(renderer, pictures(seed=4, n=2000), tmp_path)
+    check(renderer, portion(pictures(seed=4, n=2000)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_two_thousand_scenes_with_mutated_meshes_render_or_are_refused(renderer, tmp_path):
-    check(renderer, meshes(seed=4, n=2000), tmp_path)
+    check(renderer, portion(meshes(seed=4, n=2000)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_one_thousand_mutated_lights_motions_and_media_render_or_are_refused(renderer, tmp_path):
     write_features(tmp_path)
-    check(renderer, features(seed=4, n=1000), tmp_path)
+    check(renderer, portion(features(seed=4, n=1000)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_two_thousand_mutated_files_of_mitsuba_render_or_are_refused(renderer, tmp_path):
     copy_files(tmp_path)
-    check(renderer, mitsuba_files(seed=4, n=2000), tmp_path)
+    check(renderer, portion(mitsuba_files(seed=4, n=2000)), tmp_path)
 
 
 @pytest.mark.proofs
 def test_six_hundred_mutated_files_of_pbrt_render_or_are_refused(renderer, tmp_path):
     write_files(tmp_path)
-    check(renderer, pbrt_files(seed=4, n=600), tmp_path)
+    check(renderer, portion(pbrt_files(seed=4, n=600)), tmp_path)

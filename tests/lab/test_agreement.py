@@ -9,6 +9,7 @@ from alight.lab.results import BIASED, DISPUTED, UNBIASED
 from alight.lab.statistics.agreement import counted, vote
 from alight.metrics.comparison import PictureStatistics
 from tests.lab.synthetic import LIGHT_TAILED, NOISES, SyntheticArm, SyntheticReference, truth
+from tests.portion import portion
 
 COUNT, LEVEL = 16, 0.01
 NAMES = "abcdefg"
@@ -118,7 +119,7 @@ def test_wrong_arms_do_not_make_right_ones_be_named():
 
 
 @pytest.mark.proofs
-@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize("noise", portion(NOISES))
 def test_false_alarms_of_votes(noise):
     """Four right arms, from little noise to ten times its variance, on 200 pictures."""
     named = disputed = 0

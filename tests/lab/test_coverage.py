@@ -15,6 +15,7 @@ from alight.lab.statistics.block_means import (
     judge,
 )
 from tests.lab.synthetic import LIGHT_TAILED, NOISES, SyntheticStudy
+from tests.portion import portion
 
 
 def _coverage(noise, count, first):
@@ -43,7 +44,7 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say():
 
 
 @pytest.mark.proofs
-@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize("noise", portion(NOISES))
 def test_coverage_of_two_thousand_studies(noise):
     hits = _coverage(noise, 2000 if noise in LIGHT_TAILED else 1000, 10_000)
     print(f"{noise}: speed-up {hits[0]:.4f}, bootstrap-t {hits[1]:.4f}, bias^2 {hits[2]:.4f}, "
@@ -163,7 +164,7 @@ def test_verdicts_are_corrected_over_the_arms():
 
 
 @pytest.mark.proofs
-@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize("noise", portion(NOISES))
 def test_false_alarms_of_bias(noise):
     alarms = _false_alarms(200, noise, 70_000)
     print(f"{noise}: {alarms} false alarms of bias in 200 studies, level {LEVEL}")

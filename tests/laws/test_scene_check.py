@@ -17,6 +17,7 @@ from alight.laws.scene.dump import write_failures
 from alight.laws.scene.findings import adjusted_by_holm
 from alight.laws.scene.lights import Cone, _difference
 from alight.laws.scene.pictures import SEEDS, SPP, Side, compared
+from tests.portion import portion
 
 PACKAGE = Path(alight.__file__).parent
 SCENE = Path(__file__).parent / "glass_and_lamps.yaml"
@@ -36,6 +37,7 @@ FOUND_BY = {
 }
 #: Those that need no machine code, and so little time.
 QUICK = ("u-for-root-u", "depth-off-by-one")
+SLOW = [name for name in MUTANTS if name not in QUICK]
 
 
 # ---------------------------------------------------------------- a scene without a bug
@@ -99,7 +101,7 @@ def test_bugs_fit_and_leave_the_package_alone(name, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.proofs) for n in MUTANTS]
+    "name", [*QUICK, *(pytest.param(n, marks=pytest.mark.proofs) for n in portion(SLOW))]
 )
 def test_the_bug_is_found(name, tmp_path, capfd):
     words = ["check", str(SCENE), "--only", FOUND_BY[name], "-o", str(tmp_path / "pictures")]

@@ -17,13 +17,12 @@ import alight
 from lanewise.machine import cache_folder, functions_folder
 from tests.mutants.forks import Forks, planted
 from tests.mutants.mutants import MUTANTS
+from tests.portion import portion
 
 #: Of the packages whose compiled functions are used again.
 ROOT = Path(alight.__file__).parents[1]
 
-#: "2/3": every third bug, from the second on. `make proofs` tries all of them.
-SHARE, OF = (int(part) for part in os.environ.get("PLANTED", "1/1").split("/"))
-TRIED = MUTANTS[SHARE - 1 :: OF]
+TRIED = portion(MUTANTS)
 
 KILLERS = sorted({mutant.killer for mutant in TRIED})
 
@@ -81,11 +80,15 @@ def cache(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def forks(project, cache):
+def forks(project, cache, tmp_path_factory):
     """What runs tests of the copy."""
     environment = {
         **os.environ, "PYTHONPATH": str(project), "ALIGHT_CACHE": str(cache), "COLUMNS": "300",
         "PYTHONDONTWRITEBYTECODE": "",
+        # Killers are named, and may be of any portion.
+        "PORTION": "1/1",
+        # For what bugs, and processes that are killed, leave behind.
+        "TMPDIR": str(tmp_path_factory.mktemp("left")),
     }  # fmt: skip
     forks = Forks(project, environment)
     yield forks

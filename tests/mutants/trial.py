@@ -14,6 +14,7 @@ import os
 import shutil
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -107,6 +108,10 @@ def serve(
 ) -> None:
     """Collect the tests of a copy and hand a `Trial` to `campaign`."""
     kernels.mkdir(parents=True, exist_ok=True)
+    # For what slips, and processes that are killed, leave behind.
+    left = folder / "left"
+    left.mkdir()
+    tempfile.tempdir = None
     os.chdir(folder)
     for name in [name for name in sys.modules if name.split(".")[0] in PACKAGES]:
         del sys.modules[name]
@@ -115,6 +120,7 @@ def serve(
     os.environ.update(
         PYTHONPATH=str(folder), PYTHONDONTWRITEBYTECODE="1",
         ALIGHT_CACHE=str(folder / "cache"), KERNELS_OF_THE_CAMPAIGN=str(kernels),
+        TMPDIR=str(left),
     )  # fmt: skip
     import pytest
 
