@@ -33,7 +33,7 @@ def lamp_of(radius=RADIUS, radiance=RADIANCE, z=HEIGHT - CLOSE):
     }
 
 
-def room(card=None, integrator=None, **more):
+def room(card=None, integrator=None, medium=None, **more):
     """A matte floor seen from above, the camera below the card."""
     bsdf = {"type": "diffuse", "reflectance": WHITE}
     disk = {"shape": "disk", "bsdf": bsdf, "transform": [{"scale": CARD}, *UNDER]}
@@ -47,7 +47,7 @@ def room(card=None, integrator=None, **more):
         "alight": 1, "film": {"size": [32, 32]}, "nodes": nodes | more,
         "integrator": integrator or {"type": "path", "max_depth": 3},
         "camera": {"type": "orthographic", "height": 2 * SIDE, "transform": {"look_at": look}},
-    })  # fmt: skip
+    } | ({"medium": medium} if medium else {}))  # fmt: skip
 
 
 def found_in(scene):
