@@ -51,6 +51,7 @@ from alight.lights.tables import STRIDE
 from alight.lights.tree.traversal import mis_probability
 from alight.lights.tree.ways import with_ways
 from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
+from alight.rendering.nearby_lamps import with_nearby_lamps
 from alight.rendering.pilot_media import (
     Flown,
     Way,
@@ -168,7 +169,7 @@ def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     if lights is None or not len(seen.point):
         return None
     both = scene.tables._replace(lights=_both(scene.tables.lights, lights))
-    lit = Pilot(scene, pilot.random, both)
+    lit = with_nearby_lamps(Pilot(scene, pilot.random, both), seen)
     mirrors = any(is_caster(bsdf) for bsdf in flat.bsdfs)
     # What light misses is no number.
     with np.errstate(all="ignore"):

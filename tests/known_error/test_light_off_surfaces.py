@@ -107,6 +107,18 @@ def test_lamps_at_a_point_are_as_likely_as_light_sampling_has_them(choice):
     assert square == pytest.approx(times * ALBEDO**2 * (met * radiance**2).sum(), rel=0.2)
 
 
+@pytest.mark.parametrize("count", [1, 20])
+def test_lamps_that_outshine_it_from_afar_do_not_hide_it(count):
+    """Below the floor, each a thousand times as strong."""
+    ball = lamp_of(0.5, 1e3 * RADIANCE * (RADIUS / 0.5) ** 2)
+    below = {
+        f"below {i}": ball | {"transform": {"translate": [3.0 * i, 0, -50.0]}} for i in range(count)
+    }
+    table = found_in(room(**below))
+    assert table is not None
+    assert table[:, 2].sum() / POINTS == pytest.approx(of_card()[0], rel=0.08)
+
+
 def test_a_satin_bulb_keeps_the_power_of_its_lamp():
     """The lamp is in glass: étendue shrinks on the way out, and flux does not."""
     bulb = {

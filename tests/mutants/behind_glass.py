@@ -82,6 +82,12 @@ BEHIND_GLASS = (
         "tests/lights/test_targets.py::test_boxes_of_what_moves_hold_it_while_the_shutter_is_open",
     ),
     Mutant(
+        "light paths that strong lamps far away have all to themselves",
+        "rendering/nearby_lamps.py",
+        (("0.5 * by_power + 0.5 *", "0.99999 * by_power + 1e-5 *"),),
+        f"{SURFACES}::test_lamps_that_outshine_it_from_afar_do_not_hide_it[20]",
+    ),
+    Mutant(
         "media that light paths do not feel",
         "rendering/light_off_surfaces.py",
         (("if not light.medium.any():", "if True:"),),
