@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from typing import Annotated
+
 import typer
 
 from alight.cli.words import SceneName, takes_words
@@ -9,8 +12,13 @@ from alight.options.laboratory import PlanOptions
 
 
 @takes_words(PlanOptions)
-def plan(options: PlanOptions, scene: SceneName) -> None:
+def plan(
+    options: PlanOptions,
+    scene: SceneName,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
+) -> None:
     """Predict the samples and time needed to reach an error, from a short pilot."""
     import alight
 
-    typer.echo(str(alight.plan(scene, options)))
+    found = alight.plan(scene, options)
+    typer.echo(json.dumps(found.to_dict(), indent=1, allow_nan=False) if as_json else str(found))

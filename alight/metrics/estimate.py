@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 
@@ -11,3 +12,7 @@ class Estimate(NamedTuple):
     value: float
     low: float
     high: float
+
+    def to_dict(self) -> dict[str, float | None]:
+        """For JSON: what is not finite is None."""
+        return {name: x if math.isfinite(x) else None for name, x in self._asdict().items()}

@@ -74,7 +74,7 @@ def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
     share = arrived.share[paths] / (area * cosine)
     f_cos = np.nan_to_num(columns_of(lanes_of(f_cos, len(rows))))
     radiance = some.weight * f_cos * arrived.radiance[paths] * share[:, None]
-    q = np.nan_to_num(wide(pdf, len(rows)).astype(np.float64)) * share
+    q = np.nan_to_num(wide(pdf, len(rows)).astype(np.float64)) * share * some.reached
     return _by_size(some.point, some.cell, radiance, q)
 
 

@@ -114,6 +114,7 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
         rows = seen.some(np.repeat(np.arange(len(seen.point)), DIRECTIONS))
         found, q, part = _arriving(pilot, clear, rows)
         radiance = found * rows.weight / DIRECTIONS
+        q, part = q * rows.reached, part * rows.reached
         parts.append(np.column_stack([rows.point, rows.cell, radiance, q, part / DIRECTIONS]))
     table = np.concatenate(parts)
     table = table[(table[:, 2:5] > 0.0).any(axis=1)]

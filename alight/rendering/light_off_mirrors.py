@@ -41,6 +41,7 @@ from alight.lights.emission.density import is_kind
 from alight.lights.emission.from_environments import line_pdf
 from alight.lights.emission.sampling import emission_towards, sample_emission
 from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
+from alight.rendering.nearby_lamps import with_nearby_lamps
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
@@ -110,6 +111,7 @@ def light_off_mirrors(
     if lights is None:
         return nothing
     pilot = Pilot(scene, random, scene.tables._replace(lights=lights))
+    pilot = with_nearby_lamps(pilot, seen)
     light = _set_out(pilot, boxes_of_casters(flat))
     casts = np.array([is_caster(bsdf) or has_holes(bsdf, {}) for bsdf in flat.bsdfs])
     arrived = _follow(pilot, light, casts)

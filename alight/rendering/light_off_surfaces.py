@@ -19,8 +19,12 @@ turned with the density :math:`p(\omega_o \mid \omega_l)`: the flux L' G' is wha
 further surfaces light sampling finds nothing, so P is 0 there. Lamps without a size are found by
 light sampling alone.
 
-How bright a patch is and how often it is met follow from there as they do for mirrors. Media are
-neglected, and scenes that have some are not looked at.
+A medium is as good as a surface, with its phase function and albedo in place of f: smoke around a
+lamp, fog beside it. What it leaves of the light on the first way, light sampling knows; on further
+ways light paths collide or pass, as paths from the camera do.
+
+How bright a patch is and how often it is met follow from there as they do for mirrors. Light that a
+medium scatters straight into the camera is not looked for.
 
 Source: Veach 1997, sections 8.3 and 9.2; Jensen 1996.
 """
@@ -47,22 +51,37 @@ from alight.lights.tables import STRIDE
 from alight.lights.tree.traversal import mis_probability
 from alight.lights.tree.ways import with_ways
 from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
+from alight.rendering.nearby_lamps import with_nearby_lamps
+from alight.rendering.pilot_media import (
+    Flown,
+    Way,
+    beyond,
+    flown,
+    in_no_medium,
+    medium_around,
+    transmittance,
+    turned_by_media,
+)
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
     Turns,
     columns_of,
     dots,
+    joined,
     lanes_of,
     picked,
     seen_points,
     wide,
 )
 from alight.scene.flatten import FlatScene
-from alight.shapes.hit import Surface
+from alight.shapes.hit import Hit, Surface
 
 #: Light paths.
 PATHS = 2**14
+
+#: Surfaces and collisions on one way through media.
+_MOST_IN_MEDIA = 64
 
 #: Edges of the shortest path by way of a surface: lamp, surface, what the camera sees, camera.
 _EDGES = 3
@@ -84,8 +103,8 @@ class _Light(NamedTuple):
         L; of lamps at a point the intensity, of those in one direction the irradiance.
     share : (n,) float64
         G, so that the product is a flux.
-    turned : (n,) bool
-        Whether a surface has scattered it.
+    turns : (n,) int
+        How often something has scattered it.
     times : (n,) float32
     lamp, prim : (n,) int
         Row of the lamp, and triangle of its mesh.
@@ -93,19 +112,30 @@ class _Light(NamedTuple):
         Of the lamp.
     near, sized : (n,) bool
         Whether the lamp is a point; whether it has a size.
+    way : (n,) float64
+        From the lamp to the last surface that was not there.
+    medium : (n,) uint32
+        Row of the medium that the light is in.
     """
 
     o: Vec3
     d: Vec3
     radiance: np.ndarray
     share: np.ndarray
-    turned: np.ndarray
+    turns: np.ndarray
     times: np.ndarray
     lamp: np.ndarray
     prim: np.ndarray
     normal: Vec3
     near: np.ndarray
     sized: np.ndarray
+    way: np.ndarray
+    medium: np.ndarray
+
+    @property
+    def turned(self) -> np.ndarray:
+        """Whether anything has scattered it, (n,) bool."""
+        return self.turns > 0
 
     def some(self, rows: np.ndarray) -> _Light:
         return _Light(*(picked(part, rows) for part in self))
@@ -129,7 +159,7 @@ def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     longest = integrator.longest_path or MOST_SURFACES + _EDGES
     if not integrator.needs_light or integrator.finds_light_by_chance or integrator.splats:
         return None
-    if not scene.program.lights or scene.program.media or longest < _EDGES:
+    if not scene.program.lights or longest < _EDGES:
         return None
     # The same points of the film.
     pilot = Pilot(scene, np.random.default_rng(0))
@@ -139,11 +169,11 @@ def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
     if lights is None or not len(seen.point):
         return None
     both = scene.tables._replace(lights=_both(scene.tables.lights, lights))
-    lit = Pilot(scene, pilot.random, both)
+    lit = with_nearby_lamps(Pilot(scene, pilot.random, both), seen)
     mirrors = any(is_caster(bsdf) for bsdf in flat.bsdfs)
     # What light misses is no number.
     with np.errstate(all="ignore"):
-        arrived = _follow(lit, _set_out(lit), mirrors, min(longest - _EDGES + 2, MOST_SURFACES))
+        arrived = _follow(lit, _set_out(lit), mirrors, longest - _EDGES + 1)
     if len(arrived.share) < NEAREST:
         return None
     table = gather(lit, seen, arrived)
@@ -177,47 +207,112 @@ def _set_out(pilot: Pilot) -> _Light:
         d=d,
         radiance=columns_of(lanes_of(e.flux, n)) * per[:, None],
         share=1.0 / (np.where(good, per, 1.0) * n),
-        turned=np.zeros(n, bool),
+        turns=np.zeros(n, int),
         times=times,
         lamp=lamp,
         prim=wide(e.prim, n),
         normal=normal,
         near=near,
         sized=~wide(e.delta_position, n) & ~wide(e.delta_direction, n),
+        way=np.zeros(n),
+        medium=in_no_medium(n),
     ).some(good)
 
 
 def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> Arrived:
-    """Where light arrives that a surface has scattered, after at most so many surfaces."""
+    """Where light arrives that something has scattered, at most so often."""
     found, random = [], pilot.random
-    for _ in range(most):
+    light = light._replace(medium=medium_around(pilot, light.o, light.d, light.times))
+    clouds = _nobody(light)
+    for _ in range(_MOST_IN_MEDIA if pilot.program.media else MOST_SURFACES):
+        # What a medium has scattered goes on with the rest.
+        light = joined([light, clouds])
         hit = pilot.hits(light.o, light.d, light.times)
-        met = np.isfinite(hit.t)
-        light, hit = light.some(met), picked(hit, met)
+        light, hit, clouds = _through_media(pilot, light, hit)
+        clouds = clouds.some(clouds.turns <= most)
         n = len(light.share)
         if not n:
-            break
+            if not len(clouds.share):
+                break
+            continue
         surface, wl = pilot.surface(hit, light.o, light.d, light.times)
         turns = pilot.turns(surface, wl, light.times)
         p, normal = (columns_of(lanes_of(v, n)) for v in (surface.p, surface.ns))
         here = Arrived(p, normal, -columns_of(light.d), light.radiance, light.share)
         found.append(picked(here, light.turned))
         first = ~light.turned & ~turns.holes
-        seen, share = _scattered(pilot, light, hit.t, surface, wl, turns)
+        way = light.way + hit.t
+        seen, share = _scattered(pilot, light, way, surface, wl, turns)
         # Paths end by chance where they lose light: the others stand for more.
         keep = np.minimum(np.nan_to_num(seen.max(axis=1) * share), 1.0)
         keep = np.where(turns.holes, 1.0, keep)
         on = random.random(n) < keep
         # What mirrors and clear glass turn first is that of `light_off_mirrors`, or straight on.
         on &= ~(first & turns.sharp & (mirrors | ((turns.flags & TRANSMISSION) != 0)))
+        on &= turns.holes | (light.turns < most)
         light = light._replace(
             o=pilot.leave(surface, turns.d),
             d=turns.d,
             radiance=light.radiance * seen,
             share=light.share * share / np.where(on, keep, 1.0),
-            turned=light.turned | first,
+            turns=light.turns + ~turns.holes,
+            way=way,
+            medium=beyond(pilot, surface, turns.d, light.medium, light.times),
         ).some(on)
     return all_of(found)
+
+
+def _nobody(light: _Light) -> _Light:
+    return light.some(np.zeros(len(light.share), bool))
+
+
+def _through_media(pilot: Pilot, light: _Light, hit: Hit) -> tuple[_Light, Hit, _Light]:
+    """Light that reaches surfaces, what it meets there, and light that media have scattered."""
+    if not light.medium.any():
+        met = np.isfinite(hit.t)
+        return light.some(met), picked(hit, met), _nobody(light)
+    way = Way(light.o, light.d, hit.t, light.medium, light.times)
+    flight = flown(pilot, way._replace(length=hit.t))
+    clear = ~light.turned & (light.medium != 0)
+    # Light sampling knows what is left on the way from the lamp; further ways are left to chance.
+    left = transmittance(pilot, way._replace(length=flight.t))
+    seen = np.where(clear[:, None], left, flight.weight)
+    share = np.where(clear, _quotient(light.radiance, flight.weight, left), 1.0)
+    radiance = light.radiance * seen * flight.albedo
+    on = light._replace(radiance=radiance, share=light.share * share)
+    passed = ~flight.scattered & np.isfinite(hit.t)
+    return on.some(passed), picked(hit, passed), _in_clouds(pilot, on, flight)
+
+
+def _quotient(radiance: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Radiance times a over radiance times b, channels added."""
+    below = dots(radiance, b)
+    return np.where(below > 0.0, dots(radiance, a) / np.where(below > 0.0, below, 1.0), 0.0)
+
+
+def _in_clouds(pilot: Pilot, light: _Light, flight: Flown) -> _Light:
+    """Light that has collided, on its way on."""
+    # What is absorbed, the others stand for.
+    left = np.minimum(flight.albedo.max(axis=1), 1.0)
+    there = flight.scattered & (pilot.random.random(len(left)) < left)
+    light = light._replace(share=light.share / np.where(there, left, 1.0)).some(there)
+    t = flight.t[there]
+    n = len(t)
+    if not n:
+        return light
+    d, phase = turned_by_media(pilot, light.medium, light.d, light.times, np.full(n, True))
+    o = Vec3(light.o.x + t * light.d.x, light.o.y + t * light.d.y, light.o.z + t * light.d.z)
+    led = _led(pilot, light, light.way + t, o)
+    both = np.where(light.turned, phase, led + np.where(light.sized, phase, 0.0))
+    seen = np.where(both > 0.0, phase / np.where(both > 0.0, both, 1.0), 0.0)
+    share = np.where(seen > 0.0, 1.0 / np.where(seen > 0.0, seen, 1.0), 0.0)
+    return light._replace(
+        o=o,
+        d=d,
+        radiance=light.radiance * seen[:, None],
+        share=light.share * share,
+        turns=light.turns + 1,
+    )
 
 
 def _scattered(
@@ -229,15 +324,7 @@ def _scattered(
     wo = lanes_of(pilot.twin(to_local)(surface, turns.d), n)
     f_cos, reverse = pilot.twin(evaluate_bsdf)(tables, surface, wo, wl, there)
     f_cos, reverse = columns_of(lanes_of(f_cos, n)), wide(reverse, n).astype(np.float64)
-    zeros = no_emission(None, None, None, None, None)
-    start = zeros._replace(light=light.lamp, prim=light.prim, n=light.normal)
-    led = pilot.twin(direct_density)(tables, start, surface.p, light.d, way)
-    led = np.nan_to_num(wide(led, n).astype(np.float64))
-    alone = np.flatnonzero(~light.sized & ~light.turned)
-    if len(alone):
-        led[alone] = _chosen(pilot, light.some(alone), picked(lanes_of(surface.p, n), alone))
-    # What lamps without a size bring is over their probability alone, and falls with the distance.
-    led = np.where(light.near, led * way.astype(np.float64) ** 2, led)
+    led = _led(pilot, light, way, lanes_of(surface.p, n))
     both = np.where(light.turned, 0.0, led) + np.where(light.turned | light.sized, reverse, 0.0)
     cosines = np.abs(wo.z.astype(np.float64)) / np.maximum(np.abs(wide(wl.z, n)), 1e-6)
     scatters = (turns.pdf > 0.0) & (both > 0.0) & ((turns.flags & DELTA) == 0)
@@ -246,6 +333,20 @@ def _scattered(
     straight = (turns.pdf > 0.0) & ~scatters & ((turns.flags & DELTA) != 0)
     seen = np.where(straight[:, None], turns.reversed_weight, seen)
     return np.nan_to_num(seen), np.where(straight, turns.spreading, share)
+
+
+def _led(pilot: Pilot, light: _Light, way: np.ndarray, p: Vec3) -> np.ndarray:
+    """P p_l at places so far from the lamp."""
+    zeros = no_emission(None, None, None, None, None)
+    start = zeros._replace(light=light.lamp, prim=light.prim, n=light.normal)
+    way = way.astype(np.float32)
+    led = pilot.twin(direct_density)(pilot.at(light.times), start, p, light.d, way)
+    led = np.nan_to_num(wide(led, len(way)).astype(np.float64))
+    alone = np.flatnonzero(~light.sized & ~light.turned)
+    if len(alone):
+        led[alone] = _chosen(pilot, light.some(alone), picked(p, alone))
+    # What lamps without a size bring is over their probability alone, and falls with the distance.
+    return np.where(light.near, led * way.astype(np.float64) ** 2, led)
 
 
 def _chosen(pilot: Pilot, light: _Light, p: Vec3) -> np.ndarray:

@@ -22,6 +22,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE
 from alight.integrators.walk import to_local, to_world
+from alight.rendering.pilot_media import Way, beyond, medium_of_camera, transmittance
 from alight.shapes.hit import Hit, Surface, spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
@@ -169,6 +170,8 @@ class Seen(NamedTuple):
     weight : (n, 3) float64
         What is left of light from there when it reaches the camera.
     times : (n,) float32
+    reached : (n,) float64
+        Probability that media let a path come so far.
     """
 
     point: np.ndarray
@@ -178,6 +181,7 @@ class Seen(NamedTuple):
     d: Vec3
     weight: np.ndarray
     times: np.ndarray
+    reached: np.ndarray
 
     def some(self, rows: np.ndarray) -> Seen:
         """These rows, or those of a mask."""
@@ -198,17 +202,30 @@ def seen_points(pilot: Pilot) -> Seen:
     o, d = lanes_of(o, POINTS), lanes_of(d, POINTS)
     points, cells = np.arange(POINTS), line * -(-w // CELL_SIZE) + column
     hit = pilot.hits(o, d, times)
-    on = Seen(point=points, cell=cells, hit=hit, o=o, d=d, weight=np.ones((POINTS, 3)), times=times)
-    found = []
+    on = Seen(
+        point=points,
+        cell=cells,
+        hit=hit,
+        o=o,
+        d=d,
+        weight=np.ones((POINTS, 3)),
+        times=times,
+        reached=np.ones(POINTS),
+    )
+    found, medium = [], medium_of_camera(pilot, POINTS)
     for _ in range(MOST_SURFACES):
-        on = on.some(np.isfinite(on.hit.t))
+        met = np.isfinite(on.hit.t)
+        on, medium = on.some(met), medium[met]
         if not len(on.point):
             break
+        left = transmittance(pilot, Way(on.o, on.d, on.hit.t, medium, on.times))
+        on = on._replace(weight=on.weight * left, reached=on.reached * left.mean(axis=1))
         surface, wo = pilot.surface(on.hit, on.o, on.d, on.times)
         turns = pilot.turns(surface, wo, on.times)
         passed = turns.passed
         found.append(on.some(~passed))
         o = pilot.leave(surface, turns.d)
+        medium = beyond(pilot, surface, turns.d, medium, on.times)[passed]
         on = on._replace(o=o, d=turns.d, weight=on.weight * turns.weight).some(passed)
         on = on._replace(hit=pilot.hits(on.o, on.d, on.times))
     return Seen(*(joined(parts) for parts in zip(*found, strict=True))) if found else on

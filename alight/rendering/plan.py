@@ -64,6 +64,17 @@ _RULE_MARGIN = 1.2
 #: A part of the noise from which on rare light counts as one.
 _LITTLE = 0.1
 
+#: Why no end can be told, and what helps.
+_FEW = {
+    "doubt": "few bright samples carry the pilot's noise, so its error has no useful bound",
+    "remedy": "an integrator that finds their light more often (bidirectional, caustics: manifold,"
+    " guiding), larger lamps, a larger error; alight why tells which light it is",
+}
+_BY_CHANCE = {
+    "doubt": "only chance finds light here, and what it has missed so far has no bound",
+    "remedy": "light sampling (integrator: path, light_sampling: mis)",
+}
+
 
 @dataclass
 class Pilot(Schedule):
@@ -76,11 +87,14 @@ class Pilot(Schedule):
     passes, looks : list of float
         Processor seconds of the samples between two looks, and of the looks.
     need : float
-        Times the samples of the last look that the promise needs, without that light.
+        Times the samples of the last look that the promise needs, without that light; infinite
+        where that cannot be told.
     rare : RareNoise
         Noise of that light at the last look.
     met : float
         relMSE of that light as the samples tell it.
+    by_chance : bool
+        Whether nothing is known of what chance may still find.
     """
 
     promise: Promise
@@ -91,6 +105,7 @@ class Pilot(Schedule):
     begin: float | None = None
     rare: RareNoise = field(default_factory=RareNoise)
     met: float = 0.0
+    by_chance: bool = False
     name: ClassVar[str] = "pilot"
 
     def next(self, rounds: Sequence[Film]) -> Goal | Verdict:
@@ -127,7 +142,8 @@ class Pilot(Schedule):
             figure = estimate_relmse(means, counts).figure
         self.met = max(whole - figure.value, 0.0)
         known = film.largest_sample, film.by_chance
-        self.need = judge_means(means, counts, self.promise, *known).factor
+        judgement = judge_means(means, counts, self.promise, *known)
+        self.need, self.by_chance = judgement.factor, math.isinf(judgement.unseen)
         self.looks.append(time.process_time() - begin)
         return figure
 
@@ -149,7 +165,8 @@ class Plan:
     ----------
     spp, seconds : Estimate
         Samples per pixel, and processor seconds of rendering (divide by the number of busy
-        threads for the time on the clock), each with a 95 % interval.
+        threads for the time on the clock), each with a 95 % interval. Where no end can be told,
+        the value is NaN and the upper end infinite.
     slope : Estimate
         Of log(relMSE) against log(samples), negative.
     pilot_error : float
@@ -157,6 +174,10 @@ class Plan:
     pilot_spp : int
     threads : int, default 1
         That the picture will be rendered with.
+    doubt : str, default ""
+        Why no end can be told, if none can.
+    remedy : str, default ""
+        What helps then.
     """
 
     spp: Estimate
@@ -165,6 +186,8 @@ class Plan:
     pilot_error: float
     pilot_spp: int
     threads: int = 1
+    doubt: str = field(default="", kw_only=True)
+    remedy: str = field(default="", kw_only=True)
 
     def __str__(self) -> str:
         """What ``alight plan`` prints."""
@@ -174,8 +197,23 @@ class Plan:
         """Show the figures as a table in a notebook."""
         return html.table(self._lines())
 
+    def to_dict(self) -> dict[str, Any]:
+        """All fields, for JSON: what is not finite is None."""
+        return {
+            name: value.to_dict() if isinstance(value, Estimate) else value
+            for name, value in vars(self).items()
+        }
+
     def _lines(self) -> list[tuple[str, str]]:
         spp, seconds, threads = self.spp, self.seconds, self.threads
+        if self.doubt:
+            return [
+                ("pilot", f"{self.pilot_spp} spp, relRMSE {self.pilot_error:.2%}"),
+                ("samples", f"at least {spp.low:.0f} per pixel, and no end can be told"),
+                ("processor time", f"at least {seconds.low:.3g} s"),
+                ("why", self.doubt),
+                ("what helps", self.remedy),
+            ]
         samples = f"{spp.value:.0f} per pixel (95 %: {spp.low:.0f} to {spp.high:.0f})"
         interval = f"(95 %: {seconds.low:.3g} to {seconds.high:.3g} s)"
         wall = f"on {threads} threads about {seconds.value / threads:.3g} s"
@@ -241,24 +279,28 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
 def plan_of(pilot: Pilot, replicates: int) -> Plan:
     """Work out the cost from what a pilot has seen."""
     spp, _, relmse = pilot.seen[-1]
-    if relmse + pilot.rare.noise == 0.0:
+    if relmse + pilot.rare.noise == 0.0 and math.isfinite(pilot.need):
         first = float(first_look(replicates))
         seconds = _seconds(pilot, Estimate(first, first, first), replicates)
         return Plan(Estimate(first, first, first), seconds, Estimate(0.0, 0.0, 0.0), 0.0, spp)
     slope = _slope(pilot.seen)
-    doubt = 1.96 * pilot.rare.doubt
+    sigma = 1.96 * pilot.rare.doubt
     needs = [
         spp * _times(pilot, s, math.exp(shift))
-        for s, shift in zip(slope, (0.0, doubt, -doubt), strict=True)
+        for s, shift in zip(slope, (0.0, sigma, -sigma), strict=True)
     ]
+    shown, reached = Estimate(-slope.value, -slope.high, -slope.low), math.sqrt(relmse + pilot.met)
     middle = needs[0] * math.sqrt(GROWTH)
     # On the way back, where the promise is kept already, a steeper slope leads to more samples.
     low = _look_after(min(needs) * (1.0 - _RULE_DOUBT), replicates)
+    if math.isinf(pilot.need):
+        least = Estimate(math.nan, float(low), math.inf)
+        why = _BY_CHANCE if pilot.by_chance else _FEW
+        return Plan(least, _seconds(pilot, least, replicates), shown, reached, spp, **why)
     high = next_look(_look_after(max(needs) * (1.0 + _RULE_DOUBT), replicates) - 1, replicates)
     estimate = Estimate(min(max(middle, low), high), float(low), float(high))
     seconds = _seconds(pilot, estimate, replicates)
-    shown = Estimate(-slope.value, -slope.high, -slope.low)
-    return Plan(estimate, seconds, shown, math.sqrt(relmse + pilot.met), spp)
+    return Plan(estimate, seconds, shown, reached, spp)
 
 
 def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
@@ -286,9 +328,9 @@ def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
     """Times the pilot's samples that the promise needs, with `rare` times the noise of rare light.
 
     The rule asks of rare light what it asks of light met often; of all other noise, what it asks
-    of the pilot.
+    of the pilot. Where that cannot be told, it is what the pilot's estimate needs at least.
     """
-    other = pilot.need if pilot.need > 1.0 else _gap(pilot)
+    other = pilot.need if 1.0 < pilot.need < math.inf else _gap(pilot)
     rare *= _rare(pilot) * _margin(pilot.promise) / pilot.promise.error**2
     # Where the larger of the two is all that is allowed, both are too much. Their sum falls, and is
     # convex in the logarithm of the samples, so Newton's steps from there stay on that side.
@@ -309,7 +351,7 @@ def _rare(pilot: Pilot) -> float:
 
 
 def _gap(pilot: Pilot) -> float:
-    """The pilot's relMSE over the one that is asked for, where the promise is already kept."""
+    """The pilot's relMSE over the one that is asked for."""
     return max(pilot.seen[-1][2] / pilot.promise.error**2, 1e-6)
 
 

@@ -1,5 +1,6 @@
 """Laws of plans and of the series beyond a depth cap: power laws, units, coverage on both sides."""
 
+import json
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -116,6 +117,45 @@ def test_plans_for_pixels_have_the_margin_of_normal_noise():
 def test_a_pilot_without_an_error_that_has_met_no_rare_light_needs_more_than_one_look():
     plan = plan_of(pilot_of(relmse=0.0, need=1.0, rare=RareNoise(0.01, 0.01, 0.01)), 4)
     assert plan.spp.value > 64.0 * 0.01 / 0.01**2
+
+
+def one_bright_sample(size):
+    """A smooth picture with a single sample of that size, at 64 spp."""
+    means = 1.0 + 0.1 * np.random.default_rng(5).standard_normal((24, 24, 4, 3))
+    means[11, 5, 2] += size / 16.0
+    return means.astype(np.float32), np.full((24, 24, 4), 16)
+
+
+@pytest.mark.parametrize("size", [3.0, 30.0, 1e3, 1e5, 1e8])
+def test_samples_are_told_where_the_error_has_a_bound_of_use(size):
+    judgement = judge_means(*one_bright_sample(size), Promise(0.05))
+    assert math.isfinite(judgement.factor) == (judgement.achieved <= 10.0)
+    assert math.isfinite(judgement.factor) == (size < 1e4)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.09])
+@pytest.mark.parametrize("by_chance", [False, True])
+@pytest.mark.parametrize("relmse", [0.0, 0.2, 3e4])
+def test_a_plan_without_an_end_says_so_and_names_no_more_than_what_is_known(
+    noise, by_chance, relmse
+):
+    rare = RareNoise(noise, noise, noise)
+    pilot = pilot_of(error=0.05, relmse=relmse, need=math.inf, rare=rare, by_chance=by_chance)
+    plan = plan_of(pilot, 4)
+    assert math.isnan(plan.spp.value)
+    assert plan.spp.high == plan.seconds.high == math.inf
+    known = replace(pilot, need=max(relmse / 0.05**2, 1e-6))
+    if relmse + noise > 0.0:
+        assert plan.spp.low == plan_of(known, 4).spp.low
+    found = json.loads(json.dumps(plan.to_dict(), allow_nan=False))
+    assert found["spp"] == {"value": None, "low": plan.spp.low, "high": None}
+    assert ("chance" in found["doubt"]) == by_chance
+    assert str(plan).splitlines()[1:] == [
+        f"samples: at least {plan.spp.low:.0f} per pixel, and no end can be told",
+        f"processor time: at least {plan.seconds.low:.3g} s",
+        f"why: {plan.doubt}",
+        f"what helps: {plan.remedy}",
+    ]
 
 
 def test_the_plan_is_what_the_rule_takes_within_a_factor_of_two():

@@ -27,8 +27,8 @@ STILL = {
 STEPS = [{name: value} for name, value in STILL.items()]
 
 
-def room(*, mirror="mirror", place=None, lamp=None, integrator=None):
-    """A matt floor seen from above, under a horizontal mirror."""
+def room(*, mirror="mirror", place=None, lamp=None, integrator=None, below=()):
+    """A matt floor seen from above, under a horizontal mirror; `below` it are stronger lamps."""
     at = lamp or {"translate": [0, 0, LAMP]}
     nodes = {
         "floor": {"shape": "plane", "bsdf": {"type": "diffuse", "reflectance": ALBEDO}},
@@ -39,6 +39,11 @@ def room(*, mirror="mirror", place=None, lamp=None, integrator=None):
         },
         "mirror": {"shape": "rectangle", "bsdf": {"type": mirror}, "transform": place or STEPS},
     }
+    for i in below:
+        nodes[f"below {i}"] = nodes["lamp"] | {
+            "shape": {"type": "sphere", "radius": 30 * RADIUS},
+            "transform": {"translate": [3.0 * i, 0, -50.0]},
+        }
     # Below the mirror, so that the floor is seen directly.
     look = {"origin": [0, 0, 1.4], "target": [0, 0, 0], "up": [0, 1, 0]}
     return alight.load({
@@ -75,8 +80,9 @@ def once(table):
         {"lamp": {"keyframes": [
             {"time": 0, "translate": [-0.2, 0, LAMP]}, {"time": 1, "translate": [0.2, 0, LAMP]}
         ]}},
+        {"below": range(1)},
     ],
-    ids=["at rest", "the mirror grows", "the lamp moves"],
+    ids=["at rest", "the mirror grows", "the lamp moves", "another outshines it from afar"],
 )  # fmt: skip
 def test_a_mirror_is_a_window_to_an_image_of_the_lamp(changes):
     table = once(found_in(room(**changes)))

@@ -33,7 +33,7 @@ def lamp_of(radius=RADIUS, radiance=RADIANCE, z=HEIGHT - CLOSE):
     }
 
 
-def room(card=None, integrator=None, **more):
+def room(card=None, integrator=None, medium=None, **more):
     """A matte floor seen from above, the camera below the card."""
     bsdf = {"type": "diffuse", "reflectance": WHITE}
     disk = {"shape": "disk", "bsdf": bsdf, "transform": [{"scale": CARD}, *UNDER]}
@@ -47,7 +47,7 @@ def room(card=None, integrator=None, **more):
         "alight": 1, "film": {"size": [32, 32]}, "nodes": nodes | more,
         "integrator": integrator or {"type": "path", "max_depth": 3},
         "camera": {"type": "orthographic", "height": 2 * SIDE, "transform": {"look_at": look}},
-    })  # fmt: skip
+    } | ({"medium": medium} if medium else {}))  # fmt: skip
 
 
 def found_in(scene):
@@ -105,6 +105,18 @@ def test_lamps_at_a_point_are_as_likely_as_light_sampling_has_them(choice):
     times = 1.0 if choice == "tree" else 21.0
     square = (table[:, 2] ** 2 / table[:, 6]).sum() / POINTS
     assert square == pytest.approx(times * ALBEDO**2 * (met * radiance**2).sum(), rel=0.2)
+
+
+@pytest.mark.parametrize("count", [1, 20])
+def test_lamps_that_outshine_it_from_afar_do_not_hide_it(count):
+    """Below the floor, each a thousand times as strong."""
+    ball = lamp_of(0.5, 1e3 * RADIANCE * (RADIUS / 0.5) ** 2)
+    below = {
+        f"below {i}": ball | {"transform": {"translate": [3.0 * i, 0, -50.0]}} for i in range(count)
+    }
+    table = found_in(room(**below))
+    assert table is not None
+    assert table[:, 2].sum() / POINTS == pytest.approx(of_card()[0], rel=0.08)
 
 
 def test_a_satin_bulb_keeps_the_power_of_its_lamp():

@@ -3,6 +3,7 @@
 from tests.mutants.mutant import Mutant
 
 GLASS = "tests/known_error/test_light_behind_glass.py"
+MEDIA = "tests/known_error/test_rare_light_in_media.py"
 MIRRORS = "tests/known_error/test_light_off_mirrors.py"
 SURFACES = "tests/known_error/test_light_off_surfaces.py"
 PLANS = "tests/known_error/test_laws_of_plans.py"
@@ -65,7 +66,7 @@ BEHIND_GLASS = (
     Mutant(
         "mirrors that are met by every sample",
         "rendering/arriving_light.py",
-        (("* share\n    return _by_size", "* 0.0 + 1.0\n    return _by_size"),),
+        (("* share * some.reached\n    return _by_size", "* 0.0 + 1.0\n    return _by_size"),),
         f"{MIRRORS}::test_a_picture_that_no_such_light_has_met_is_not_promised",
     ),
     Mutant(
@@ -79,6 +80,37 @@ BEHIND_GLASS = (
         "compiled/casters.py",
         (("        if motion:", "        if False:"),),
         "tests/lights/test_targets.py::test_boxes_of_what_moves_hold_it_while_the_shutter_is_open",
+    ),
+    Mutant(
+        "light paths that strong lamps far away have all to themselves",
+        "rendering/nearby_lamps.py",
+        (("0.5 * by_power + 0.5 *", "0.99999 * by_power + 1e-5 *"),),
+        f"{SURFACES}::test_lamps_that_outshine_it_from_afar_do_not_hide_it[20]",
+    ),
+    Mutant(
+        "media that light paths do not feel",
+        "rendering/light_off_surfaces.py",
+        (("if not light.medium.any():", "if True:"),),
+        f"{MEDIA}::test_fog_takes_its_part_of_light_and_of_the_paths_that_meet_it",
+    ),
+    Mutant(
+        "fog that every path comes through",
+        "rendering/pilot_rays.py",
+        (("on.reached * left.mean(axis=1)", "on.reached"),),
+        f"{MEDIA}::test_fog_takes_its_part_of_light_and_of_the_paths_that_meet_it",
+    ),
+    Mutant(
+        "lamps as near as the last hole before them",
+        "rendering/light_off_surfaces.py",
+        (("way = light.way + hit.t", "way = hit.t"),),
+        f"{MEDIA}::test_a_hole_on_the_way_to_a_lit_card_changes_nothing[a point]",
+    ),
+    Mutant(
+        "samples told from an error without a bound",
+        "rendering/schedules/stopping.py",
+        (("if achieved > LARGEST_TOLD:", "if False:"),),
+        "tests/known_error/test_laws_of_plans.py"
+        "::test_samples_are_told_where_the_error_has_a_bound_of_use[100000.0]",
     ),
     Mutant(
         "plans that know no more than their samples",

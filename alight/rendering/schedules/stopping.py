@@ -116,7 +116,8 @@ class Judgement(NamedTuple):
     within, met : bool
         Whether the estimated error is small enough; and the unseen energy, too.
     factor : float
-        Times the samples so far that the promise needs; 1 if it is kept.
+        Times the samples so far that the promise needs; 1 if it is kept, infinite where the error
+        has no bound of use, or none is known of light by chance, so that it cannot be told.
     doubted : bool, default False
         Whether only the brightness of noisy pixels, of which too little is known, stands between
         the estimated error and the promise.
@@ -134,6 +135,11 @@ class Judgement(NamedTuple):
     factor: float
     doubted: bool = False
     value: float = math.nan
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the error has a bound of use."""
+        return self.achieved <= LARGEST_TOLD
 
 
 def look_doubt(confidence: float, deviation: float) -> float:
@@ -219,6 +225,8 @@ def judge_means(
         # Light that no sample has met adds its noise as soon as one does.
         unmet = rare_noise(means, counts, behind).unmet
         factor = (achieved**2 + unmet) / promise.error**2
+        if achieved > LARGEST_TOLD:
+            factor = math.inf
     else:
         share = share_within(means, counts, promise.error, promise.doubt)
         within = share >= promise.share
@@ -228,6 +236,8 @@ def judge_means(
             means, counts, promise.error * math.sqrt(factor), promise.doubt
         ):
             factor *= 1.1
+        if factor >= 1e9:
+            factor = math.inf
     met = within and unseen.figure <= promise.error
     # What is unseen falls with the samples, not with their root.
     factor = 1.0 if met else max(factor, unseen.figure / promise.error, unseen.factor)
@@ -305,8 +315,7 @@ def line_of(
     asked = f"{100 * promise.error:.4g} %"
     sure = f"{100 * promise.confidence:.4g} % confidence"
     if promise.metric == "relrmse":
-        bounded = judgement.achieved <= LARGEST_TOLD
-        reached = f"relRMSE at most {100 * judgement.achieved:.3g} %" if bounded else (
+        reached = f"relRMSE at most {100 * judgement.achieved:.3g} %" if judgement.bounded else (
             f"relRMSE about {100 * judgement.value:.3g} %, but without a useful bound"
         )  # fmt: skip
     else:
@@ -320,6 +329,8 @@ def line_of(
     if word == "not met":
         more = (judgement.factor - 1.0) * (spp if seconds is None else seconds)
         unit = "spp" if seconds is None else "s"
+        if math.isinf(judgement.factor):
+            return f"not met: {reached}, asked {asked}; how many samples it takes cannot be told"
         if judgement.factor > _FAR:
             return f"not met: {reached}, asked {asked}; far more samples are needed"
         return f"not met: {reached}, asked {asked}; about {_told(more)} {unit} more are needed"
