@@ -21,6 +21,7 @@ from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise, judge, judge_means
 from alight.rendering.schedules.unseen import unseen_error
+from alight.rendering.sight import Sight
 from alight.scene import flatten
 
 #: Radius and height of the lamp, half of the side that is seen of the floor, metres.
@@ -66,7 +67,7 @@ def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, l
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_behind_glass(flat, compile_scene(flat))
+    return light_behind_glass(Sight(flat, compile_scene(flat)))
 
 
 def of_floor(x, y):
