@@ -18,7 +18,7 @@ from alight.compiled.displacement import displaced, told
 from alight.compiled.ground import ground_of
 from alight.compiled.kept import Kept
 from alight.compiled.lights import CompiledLights, compile_lights, light_textures
-from alight.compiled.materials import compile_materials
+from alight.compiled.materials import PackedMaterials
 from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.photons import with_photons
@@ -43,7 +43,6 @@ from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene
 from alight.scene.hashing import described
-from alight.textures.model import TEXTURES
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
@@ -153,12 +152,11 @@ def compile_scene(
     kept = kept or Kept()
     given, flat = flat, displaced(flat, kept)
     stats = {"displaced": told(given, flat)} if given is not flat else {}
-    materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
-    space = _shapes_in_their_space(flat, UV_SETS in textures, kept)
+    packed = PackedMaterials(flat.bsdfs, light_textures(flat))
+    space = _shapes_in_their_space(flat, UV_SETS in packed.texture_names, kept)
     flat, shapes, paths, origin = space.flat, space.shapes, space.paths, space.origin
-    if origin.any() and any(TEXTURES[name].IN_SPACE for name in textures if name in TEXTURES):
-        materials, _, _ = compile_materials(flat.bsdfs, light_textures(flat), origin)
-    if ABSORBING in bsdfs:
+    materials = packed.tables(origin)
+    if ABSORBING in packed.bsdf_names:
         materials = with_bodies(materials, flat)
     accel, plan, of_accel = kept(
         f"{structure} by {builder}",
@@ -193,8 +191,8 @@ def compile_scene(
         tables = (MovingWithMedia if media else MovingScene)(*tables, motions)
     program = Program(
         shapes=shapes.kinds,
-        bsdfs=bsdfs,
-        textures=textures,
+        bsdfs=packed.bsdf_names,
+        textures=packed.texture_names,
         lights=lights.kinds,
         light_shapes=lights.shapes,
         single_light=lights.tables.info.size == LIGHT_INFO and not lights.has_tree,

@@ -71,7 +71,7 @@ RENDERING_SPACE = (
     Mutant(
         "textures that know of no rendering space",
         "compiled/scene.py",
-        (("light_textures(flat), origin)", "light_textures(flat))"),),
+        (("packed.tables(origin)", "packed.tables()"),),
         f"{SPACE}::test_a_pattern_in_space_stays_where_it_is",
     ),
 )
