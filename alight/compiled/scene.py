@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from alight.accel.accelerator import build_accelerator
 from alight.bsdfs.interiors.absorption import ABSORBING
-from alight.compiled.bodies import with_bodies
+from alight.bsdfs.interiors.bodies import ENDLESS
+from alight.compiled.bodies import may_be_endless, with_ball, with_bodies
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
 from alight.compiled.ground import ground_of
@@ -28,6 +29,7 @@ from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.compiled.warnings.bodies import warnings_of_bodies
 from alight.compiled.warnings.contacts import warnings_of_contacts
+from alight.compiled.warnings.edges import warnings_of_edges
 from alight.compiled.warnings.sizes import warnings_of_sizes
 from alight.core.motion import RIGID
 from alight.core.registry import versions
@@ -158,6 +160,9 @@ def compile_scene(
     materials = packed.tables(origin)
     if ABSORBING in packed.bsdf_names:
         materials = with_bodies(materials, flat)
+    endless = may_be_endless(flat, shapes)
+    if endless:
+        materials = with_ball(materials, shapes)
     accel, plan, of_accel = kept(
         f"{structure} by {builder}",
         partial(build_accelerator, structure=structure, builder=builder, threads=threads),
@@ -191,7 +196,7 @@ def compile_scene(
         tables = (MovingWithMedia if media else MovingScene)(*tables, motions)
     program = Program(
         shapes=shapes.kinds,
-        bsdfs=packed.bsdf_names,
+        bsdfs=(*packed.bsdf_names, ENDLESS) if endless else packed.bsdf_names,
         textures=packed.texture_names,
         lights=lights.kinds,
         light_shapes=lights.shapes,
@@ -236,6 +241,7 @@ def _warnings(given: FlatScene, space: _Space, is_dark: bool) -> tuple[str, ...]
         *flat.warnings,
         *flat.notes,
         *warnings_of_bodies(given),
+        *warnings_of_edges(flat, space.shapes),
         *warnings_of_contacts(flat, space.origin),
         *warnings_of_sizes(flat, space.shapes),
         *_darkness(flat, is_dark),
