@@ -195,7 +195,7 @@ def test_only_a_promise_looks_for_it():
     scene = compile_scene(flat)
     options = {"seed": 3, "threads": 1, "replicates": 4}
     promised = job_of(flat, scene, Steered(16, 64, Promise(0.1)), Clock(), **options)
-    assert np.array_equal(promised.rounds[0].behind_glass, light_off_surfaces(Sight(flat, scene)))
+    assert np.array_equal(promised.rounds[0].rare_light, light_off_surfaces(Sight(flat, scene)))
     # A cap's pilot has samples of its own.
     assert promised.behind_glass is None
-    assert job_of(flat, scene, Uniform(4, 4), Clock(), **options).rounds[0].behind_glass is None
+    assert job_of(flat, scene, Uniform(4, 4), Clock(), **options).rounds[0].rare_light is None
