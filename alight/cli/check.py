@@ -52,12 +52,11 @@ def check(
         _check_mutant(mutant, ["check", scene, *options.words(), *(["--quiet"] if quiet else [])])
         return
     import alight
-    from alight.cli.reporting import warn_of_scene
+    from alight.cli.reporting import WarnOnce
     from alight.laws.scene.dump import write_failures
     from alight.options.loading import scene_of
 
     description = scene_of(scene, options)
-    warn_of_scene(description)
     begin = time.perf_counter()
 
     def progress(text: str) -> None:
@@ -65,6 +64,7 @@ def check(
             typer.echo(f"{time.perf_counter() - begin:5.1f} s  {text}", err=True)
 
     verdict = alight.check(description, options.with_loaded_scene(output=None, progress=progress))
+    WarnOnce()(verdict.warnings)
     for line in verdict.lines(failures_only=quiet):
         typer.echo(line)
     for path in write_failures(verdict, options.output or Path("check-failures")):

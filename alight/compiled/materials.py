@@ -56,10 +56,8 @@ class MaterialTables(NamedTuple):
     curves: View
 
 
-def compile_materials(
-    bsdfs: Sequence[Bsdf], textures: Sequence[Texture] = (), origin: np.ndarray | None = None
-) -> tuple[MaterialTables, tuple[str, ...], tuple[str, ...]]:
-    """Build the tables of a scene's materials.
+class PackedMaterials:
+    """The materials of a scene, packed; tables of them are made once it is known where it lies.
 
     Parameters
     ----------
@@ -67,38 +65,56 @@ def compile_materials(
         Names of nested materials and of textures resolved. The index is what shapes refer to.
     textures : sequence of Texture, optional
         Textures that are used elsewhere too, each once: they get the first numbers.
-    origin : (3,) float64, metres, optional
-        Where in the world the origin of rendering space is; there by default.
+
+    Attributes
+    ----------
+    bsdf_names, texture_names : tuple of str
+        For `Program`: the models in use in the order of the registries, then their features.
+    """
+
+    def __init__(self, bsdfs: Sequence[Bsdf], textures: Sequence[Texture] = ()) -> None:
+        stride = stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec))
+        self._rows = rows = _Rows(stride)
+        for texture in textures:
+            rows.textures.number(texture)
+        rows.reserve_normals(bsdfs)
+        layers = [rows.add(spec) for spec in bsdfs]
+        for normals in rows.normals:
+            rows.put(normals, MIXED)
+        rows.used |= {LAYERED_NAME} if any(len(layer) > 1 for layer in layers) else set()
+        self._layers = rows.pack_layers(layers)
+        models = [name for name in BSDFS if name in rows.used]
+        self.bsdf_names = (*models, *sorted(rows.used - set(models)))
+        self.texture_names = rows.textures.names()
+
+    def tables(self, origin: np.ndarray | None = None) -> MaterialTables:
+        """Build the tables; origin: where in the world that of rendering space is, metres."""
+        rows, table = self._rows, self._rows.textures.compiled(origin)
+        return MaterialTables(
+            info=View(np.array(rows.info or [0, 0], np.uint32)),
+            data=View(np.concatenate(rows.data or [np.zeros(rows.stride, np.float32)])),
+            texture=View(np.concatenate(rows.texture or [np.zeros(rows.stride, np.uint32)])),
+            texture_info=table.info,
+            texture_data=table.data,
+            texels=table.texels,
+            layers=View(self._layers),
+            curves=View(np.concatenate([*in_place(rows.curves), np.zeros(1, np.float32)])),
+        )
+
+
+def compile_materials(
+    bsdfs: Sequence[Bsdf], textures: Sequence[Texture] = (), origin: np.ndarray | None = None
+) -> tuple[MaterialTables, tuple[str, ...], tuple[str, ...]]:
+    """Pack materials whose place is known, and build their tables.
 
     Returns
     -------
     tables : MaterialTables
     bsdf_names, texture_names : tuple of str
-        For `Program`: the models in use in the order of the registries, then their features.
+        As of `PackedMaterials`.
     """
-    stride = stride_of(leaf.bsdf.type_name() for spec in bsdfs for leaf in leaves(spec))
-    rows = _Rows(stride, textures=TextureTable(origin))
-    for texture in textures:
-        rows.textures.number(texture)
-    rows.reserve_normals(bsdfs)
-    layers = [rows.add(spec) for spec in bsdfs]
-    for normals in rows.normals:
-        rows.put(normals, MIXED)
-    rows.used |= {LAYERED_NAME} if any(len(layer) > 1 for layer in layers) else set()
-    lists = rows.pack_layers(layers)
-    table = rows.textures.compiled()
-    tables = MaterialTables(
-        info=View(np.array(rows.info or [0, 0], np.uint32)),
-        data=View(np.concatenate(rows.data or [np.zeros(rows.stride, np.float32)])),
-        texture=View(np.concatenate(rows.texture or [np.zeros(rows.stride, np.uint32)])),
-        texture_info=table.info,
-        texture_data=table.data,
-        texels=table.texels,
-        layers=View(lists),
-        curves=View(np.concatenate([*in_place(rows.curves), np.zeros(1, np.float32)])),
-    )
-    models = [name for name in BSDFS if name in rows.used]
-    return tables, (*models, *sorted(rows.used - set(models))), table.names
+    packed = PackedMaterials(bsdfs, textures)
+    return packed.tables(origin), packed.bsdf_names, packed.texture_names
 
 
 @dataclass

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from alight.accel.accelerator import build_accelerator
 from alight.bsdfs.interiors.absorption import ABSORBING
-from alight.compiled.bodies import with_bodies
+from alight.bsdfs.interiors.bodies import ENDLESS
+from alight.compiled.bodies import may_be_endless, with_ball, with_bodies
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
 from alight.compiled.ground import ground_of
 from alight.compiled.kept import Kept
 from alight.compiled.lights import CompiledLights, compile_lights, light_textures
-from alight.compiled.materials import compile_materials
+from alight.compiled.materials import PackedMaterials
 from alight.compiled.media import compile_media
 from alight.compiled.motion import MotionTable
 from alight.compiled.photons import with_photons
@@ -28,6 +29,7 @@ from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.compiled.surfaces import Surfaces, surfaces_of
 from alight.compiled.warnings.bodies import warnings_of_bodies
 from alight.compiled.warnings.contacts import warnings_of_contacts
+from alight.compiled.warnings.edges import warnings_of_edges
 from alight.compiled.warnings.sizes import warnings_of_sizes
 from alight.core.motion import RIGID
 from alight.core.registry import versions
@@ -43,7 +45,6 @@ from alight.samplers.sampling import sampler_key
 from alight.scene.description import NO_LIGHT
 from alight.scene.flatten import FlatScene
 from alight.scene.hashing import described
-from alight.textures.model import TEXTURES
 
 #: The tables that kernels are given; each is a namedtuple of `View`.
 SceneTables = namedtuple("SceneTables", "shapes materials lights accel camera filter")
@@ -153,13 +154,15 @@ def compile_scene(
     kept = kept or Kept()
     given, flat = flat, displaced(flat, kept)
     stats = {"displaced": told(given, flat)} if given is not flat else {}
-    materials, bsdfs, textures = compile_materials(flat.bsdfs, light_textures(flat))
-    space = _shapes_in_their_space(flat, UV_SETS in textures, kept)
+    packed = PackedMaterials(flat.bsdfs, light_textures(flat))
+    space = _shapes_in_their_space(flat, UV_SETS in packed.texture_names, kept)
     flat, shapes, paths, origin = space.flat, space.shapes, space.paths, space.origin
-    if origin.any() and any(TEXTURES[name].IN_SPACE for name in textures if name in TEXTURES):
-        materials, _, _ = compile_materials(flat.bsdfs, light_textures(flat), origin)
-    if ABSORBING in bsdfs:
+    materials = packed.tables(origin)
+    if ABSORBING in packed.bsdf_names:
         materials = with_bodies(materials, flat)
+    endless = may_be_endless(flat, shapes)
+    if endless:
+        materials = with_ball(materials, shapes)
     accel, plan, of_accel = kept(
         f"{structure} by {builder}",
         partial(build_accelerator, structure=structure, builder=builder, threads=threads),
@@ -193,8 +196,8 @@ def compile_scene(
         tables = (MovingWithMedia if media else MovingScene)(*tables, motions)
     program = Program(
         shapes=shapes.kinds,
-        bsdfs=bsdfs,
-        textures=textures,
+        bsdfs=(*packed.bsdf_names, ENDLESS) if endless else packed.bsdf_names,
+        textures=packed.texture_names,
         lights=lights.kinds,
         light_shapes=lights.shapes,
         single_light=lights.tables.info.size == LIGHT_INFO and not lights.has_tree,
@@ -238,6 +241,7 @@ def _warnings(given: FlatScene, space: _Space, is_dark: bool) -> tuple[str, ...]
         *flat.warnings,
         *flat.notes,
         *warnings_of_bodies(given),
+        *warnings_of_edges(flat, space.shapes),
         *warnings_of_contacts(flat, space.origin),
         *warnings_of_sizes(flat, space.shapes),
         *_darkness(flat, is_dark),

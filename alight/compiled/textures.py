@@ -57,16 +57,9 @@ class CompiledTextures(NamedTuple):
 
 
 class TextureTable:
-    """Numbers the textures of a scene, and stores each picture once.
+    """Numbers the textures of a scene, and stores each picture once."""
 
-    Parameters
-    ----------
-    origin : (3,) float64, metres
-        Where in the world the origin of rendering space is; there by default.
-    """
-
-    def __init__(self, origin: np.ndarray | None = None) -> None:
-        self._origin = np.zeros(3) if origin is None else origin
+    def __init__(self) -> None:
         self._numbers: dict[Texture, int] = {}
         # A zero comes first. Offsets are written once all is known: the largest pictures
         # fill half of what a process may take.
@@ -131,19 +124,31 @@ class TextureTable:
             write(words[start:end])
         return words
 
-    def compiled(self) -> CompiledTextures:
-        """Make the tables of all textures that have a number."""
-        lists = [_steps(spec) for spec in self._numbers]
-        every = [spec for steps in lists for spec in steps]
+    def names(self) -> tuple[str, ...]:
+        """Models in use by the textures that have a number, and then their features."""
+        every = [spec for one in self._numbers for spec in _steps(one)]
         used = {default_of(Texture).type_name(), *(spec.type_name() for spec in every)}
         features = {name for spec in every for name in TEXTURES[spec.type_name()].features(spec)}
-        rows = [np.zeros(max(3, *(sum(TEXTURES[n].SLOTS.values()) for n in used)), np.float32)]
+        return (*(name for name in TEXTURES if name in used), *sorted(features))
+
+    def compiled(self, origin: np.ndarray | None = None) -> CompiledTextures:
+        """Make the tables of all textures that have a number.
+
+        Parameters
+        ----------
+        origin : (3,) float64, metres, optional
+            Where in the world the origin of rendering space is; there by default.
+        """
+        names, place = self.names(), np.zeros(3) if origin is None else origin
+        slots = [sum(TEXTURES[name].SLOTS.values()) for name in names if name in TEXTURES]
+        lists = [_steps(spec) for spec in self._numbers]
+        rows = [np.zeros(max(3, *slots), np.float32)]
         starts: dict[Texture, int] = {}
         end = rows[0].size
-        for spec in every:
+        for spec in (spec for steps in lists for spec in steps):
             if spec not in starts:
                 starts[spec] = end
-                rows.append(self._row(spec))
+                rows.append(self._row(spec, place))
                 end += rows[-1].size
         heads: list[int] = []
         below: list[int] = []
@@ -158,15 +163,15 @@ class TextureTable:
             View(np.array([*heads, *below] or [0, 0], np.uint32)),
             View(np.concatenate(rows)),
             View(self._texels()),
-            (*(name for name in TEXTURES if name in used), *sorted(features)),
+            names,
         )
 
-    def _row(self, spec: Texture) -> np.ndarray:
+    def _row(self, spec: Texture, origin: np.ndarray) -> np.ndarray:
         """The numbers of one texture."""
         if not spec.varies:
             return np.array(spec.maximum(), np.float32)
         model = TEXTURES[spec.type_name()]
-        packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self, origin=self._origin)
+        packer = Packer(model.SLOTS, sum(model.SLOTS.values()), self, origin=origin)
         if model.pack is not None:
             model.pack(spec, packer)
         return packer.row

@@ -221,6 +221,10 @@ class Shape(Spec):
         """The shapes that it is made of, each with its (4, 4) matrix; none for most."""
         return ()
 
+    def edges(self) -> np.ndarray:
+        """Points (n, 3) on the edges of an open surface, in its own space; none by default."""
+        return np.zeros((0, 3))
+
 
 class PhaseFunction(Spec):
     """Base class of phase functions: where light goes that a medium scatters."""

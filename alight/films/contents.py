@@ -50,7 +50,7 @@ def aov_planes(film: Film) -> dict[str, np.ndarray]:
 
 def warnings_of(film: Film) -> list[str]:
     """What is suspicious of the scene, and what went wrong while rendering; see `alight.info`."""
-    found = list(film.suspicions)
+    found = list(film.scene_warnings)
     if film.invalid:
         found.append(f"{film.invalid} samples were NaN or infinite and were added as black")
     if film.saturated:

@@ -80,9 +80,9 @@ class Film:
         No channel of a sample can be larger, where that is known.
     by_chance : bool
         Whether no path was led to a light: what no sample has met says nothing of itself then.
-    behind_glass : ndarray, shape (n, 7), or None
+    rare_light : ndarray, shape (n, 7), or None
         Light that only chance finds: of `light_behind_glass` and `light_off_surfaces`.
-    suspicions : tuple of str
+    scene_warnings : tuple of str
         What is suspicious of the scene: `warnings` says it, files and merged films keep it.
     shares_paths : bool
         Whether one path adds to several pixels: promises about the whole picture do not hold then.
@@ -135,10 +135,10 @@ class Film:
         self.cells = empty_cells(width, height)
         self.invalid = self.saturated = 0
         self.recorded: tuple[Bias, ...] = ()
-        self.suspicions: tuple[str, ...] = ()
+        self.scene_warnings: tuple[str, ...] = ()
         self.largest_sample: float | None = None
         self.shares_paths = self.by_chance = False
-        self.behind_glass: np.ndarray | None = None
+        self.rare_light: np.ndarray | None = None
         self._mean_of, self._judged = (-1, 0.0), judgement.Judged()
         self.stats: dict[str, Any] = {}
         self.lock = FilmLock()
@@ -211,10 +211,10 @@ class Film:
             seed=self.seed, options=self.options, fingerprint=self.fingerprint,
             version=self.version, surfaces=self.coverage.names if self.coverage else None,
         )  # fmt: skip
-        film.recorded, film.suspicions = self.recorded, self.suspicions
+        film.recorded, film.scene_warnings = self.recorded, self.scene_warnings
         film.largest_sample = self.largest_sample
         film.shares_paths, film.by_chance = self.shares_paths, self.by_chance
-        film.behind_glass = self.behind_glass
+        film.rare_light = self.rare_light
         return film
 
     def snapshot(self) -> Film:

@@ -43,7 +43,8 @@ def merge(films: Sequence[Film], names: Sequence[str] | None = None) -> Film:
         _check_same(parts[0], part, names[0], name)
     result = parts[0].empty_like()
     result.recorded = ledger.joined(part.recorded for part in parts)
-    result.suspicions = tuple(dict.fromkeys(text for part in parts for text in part.suspicions))
+    told = dict.fromkeys(text for part in parts for text in part.scene_warnings)
+    result.scene_warnings = tuple(told)
     index = cells_of(*result.crop)
     for number, (name, part) in enumerate(zip(names, parts, strict=True)):
         _check_disjoint(parts[:number], part, index, names, name)

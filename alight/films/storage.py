@@ -85,7 +85,7 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             "shares_paths": film.shares_paths,
             "by_chance": film.by_chance,
             "recorded": [bias.state() for bias in film.recorded],
-            "suspicions": list(film.suspicions),
+            "scene_warnings": list(film.scene_warnings),
             "ranges": [list(cell) for cell in distinct],
         })  # fmt: skip
         indices = [distinct[cell] for cell in film.cells.flat]
@@ -95,8 +95,8 @@ def pack_films(films: Sequence[Film]) -> tuple[list[dict[str, Any]], dict[str, n
             # Limbs apart: their bytes have nothing in common that could be left out.
             arrays[f"{number}.{name}.high"] = sums[..., 0]
             arrays[f"{number}.{name}.low"] = sums[..., 1]
-        if film.behind_glass is not None:
-            arrays[f"{number}.behind_glass"] = film.behind_glass
+        if film.rare_light is not None:
+            arrays[f"{number}.rare_light"] = film.rare_light
         if film.coverage:
             described[-1]["surfaces"] = film.coverage.names
             arrays |= pack_sums(f"{number}.coverage", film.coverage.sums)
@@ -142,8 +142,10 @@ def _unpack(
     film.largest_sample = described.get("largest_sample")
     film.shares_paths = bool(described.get("shares_paths"))
     film.by_chance = bool(described.get("by_chance"))
-    film.behind_glass = arrays.get(f"{number}.behind_glass")
-    film.suspicions = tuple(described.get("suspicions", ()))
+    # Earlier versions had other words for the last two.
+    older = described.get("suspicions", ())
+    film.scene_warnings = tuple(described.get("scene_warnings", older))
+    film.rare_light = arrays.get(f"{number}.rare_light", arrays.get(f"{number}.behind_glass"))
     film.recorded = tuple(Bias.restored(state) for state in described.get("recorded", ()))
     return film
 

@@ -87,7 +87,7 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
     >>> dict(alight.info("cornell-box").facts)["lights"]
     '1 (1 area)'
     """
-    from alight.compiled.warnings.scenes import warnings_of_scene
+    from alight.compiled.scene import compile_scene
     from alight.lab.picture_info import is_film_or_picture, picture_facts
     from alight.options.loading import scene_of
     from alight.scene import flatten
@@ -99,9 +99,10 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
         return SceneInfo(found, [], [], [], warnings, [])
     description = scene_of(scene, options)
     flat = flatten(description)
+    compiled = compile_scene(flat, structure="auto" if options.tree else "none")
     found, tree = facts(description, flat), []
     if options.tree:
-        found += accelerator_facts(flat)
+        found += accelerator_facts(compiled.stats)
         tree = list(tree_lines(description))
     remarks = description.source.remarks
     return SceneInfo(
@@ -111,7 +112,7 @@ def info(scene: Scene | str | os.PathLike[str], options: InfoOptions) -> SceneIn
         approximated=[*remarks.warnings, *flat.notes],
         warnings=[
             text
-            for text in warnings_of_scene(description)
+            for text in compiled.warnings
             if text not in remarks.warnings and text not in flat.notes
         ],
         notes=energy_notes(flat),
@@ -183,11 +184,9 @@ def mesh_bytes(flat: FlatScene) -> int:
     return sum(array.nbytes for array in arrays if array is not None)
 
 
-def accelerator_facts(flat: FlatScene) -> list[tuple[str, str]]:
-    """Displace meshes, build the acceleration structure, and say the figures of both."""
-    from alight.compiled.scene import compile_scene
-
-    stats = dict(compile_scene(flat).stats)
+def accelerator_facts(stats: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Say the figures of displaced meshes and of the acceleration structure."""
+    stats = dict(stats)
     displaced = stats.pop("displaced", {})
     figures = (f"{name.replace('_', ' ')} {_figure(value)}" for name, value in stats.items())
     meshes = (

@@ -1,4 +1,4 @@
-"""The volume inside of a closed mesh."""
+"""The volume inside of a closed mesh, and where an open one ends."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ FLAT = 1e-8
 
 #: By the arrays.
 _VOLUMES: dict[tuple, float] = {}
+_EDGES: dict[tuple, NDArray[np.float64]] = {}
 
 
 def enclosed_volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
@@ -51,6 +52,24 @@ def _volume(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> float:
     # What is flat encloses nothing, whatever rounding says.
     largest = float((np.ptp(points, axis=0) ** 2).sum()) ** 1.5
     return volume if abs(volume) > FLAT * largest else 0.0
+
+
+def open_edges(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Vertices (n, 3) on edges that belong to one triangle only, whichever way it faces.
+
+    Of read-only arrays they are looked for once.
+    """
+    return once(_EDGES, (vertices, faces), None, lambda: _open_edges(vertices, faces))
+
+
+def _open_edges(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDArray[np.float64]:
+    points, places = np.unique(welded(vertices), axis=0, return_inverse=True)
+    corners = places.reshape(-1)[faces].astype(np.int64)
+    ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2))
+    ends = ends[ends[:, 0] != ends[:, 1]]
+    keys, counts = np.unique(ends[:, 0] * len(points) + ends[:, 1], return_counts=True)
+    alone = keys[counts == 1]
+    return points[np.unique([alone // len(points), alone % len(points)])].astype(np.float64)
 
 
 def is_closed(*meshes: Any) -> bool:

@@ -263,7 +263,7 @@ class Animation:
         if self._stop.is_set():
             raise _CancelledError
         self._note_pace(film)
-        of_scene = film.suspicions
+        of_scene = film.scene_warnings
         for text in film.warnings:
             self.warnings[text if text in of_scene else f"frame {number}: {text}"] = None
         picture = self._picture_of(film, any(format_of(path).KEEPS_LAYERS for path in missing))

@@ -173,10 +173,10 @@ class Job:
             version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator) + unfound_light(scene)
-        film.suspicions, film.largest_sample = tuple(scene.warnings), self.largest_sample
+        film.scene_warnings, film.largest_sample = tuple(scene.warnings), self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
         # Only a promise asks its film.
-        film.behind_glass = self.met_by_chance if self.schedule.promises else None
+        film.rare_light = self.met_by_chance if self.schedule.promises else None
         film.shares_paths = scene.integrator.splats
         return film
 
@@ -187,7 +187,7 @@ class Job:
 
     @cached_property
     def met_by_chance(self) -> np.ndarray | None:
-        """That, and light off small bright surfaces: `Film.behind_glass` of a promise."""
+        """That, and light off small bright surfaces: `Film.rare_light` of a promise."""
         parts = [self.behind_glass, self._look_off_surfaces()]
         found = [part for part in parts if part is not None]
         return np.concatenate(found) if found else None
@@ -230,9 +230,9 @@ class Job:
         """Go on from a state: with its goal, or with None, to ask this job's own schedule."""
         self.rounds, self.goal = list(state.rounds), goal
         for film in self.rounds:
-            film.suspicions = tuple(self.scene.warnings)
+            film.scene_warnings = tuple(self.scene.warnings)
             # It may have been begun without a promise, for which nobody looked.
-            film.behind_glass = self.met_by_chance if self.schedule.promises else film.behind_glass
+            film.rare_light = self.met_by_chance if self.schedule.promises else film.rare_light
         self.rays, self.samples = state.rays, state.samples
         self._earlier = self._restored = state.seconds
 

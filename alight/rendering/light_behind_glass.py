@@ -50,10 +50,9 @@ from alight.rendering.pilot_rays import (
     dots,
     lanes_of,
     picked,
-    seen_points,
     wide,
 )
-from alight.scene.flatten import FlatScene
+from alight.rendering.sight import Sight
 from alight.shapes.hit import INFO
 
 #: Directions to lights from each point that the camera sees.
@@ -85,14 +84,8 @@ def is_looked_for(bsdfs: Sequence[Bsdf], scene: CompiledScene) -> bool:
     return lit and any(is_caster(b) or find_transmissive(b, {}) is not None for b in bsdfs)
 
 
-def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | None:
+def light_behind_glass(sight: Sight) -> np.ndarray | None:
     """Look for it, and for light off mirrors, the same way whatever the seed of the picture.
-
-    Parameters
-    ----------
-    flat : FlatScene
-    scene : CompiledScene
-        Made of it.
 
     Returns
     -------
@@ -102,17 +95,16 @@ def light_behind_glass(flat: FlatScene, scene: CompiledScene) -> np.ndarray | No
         probability q of a sample to find it, and the row's part r in the probability of all such
         light: the radiance over r is what a sample brings that has found it.
     """
+    flat, scene = sight.flat, sight.scene
     if not is_looked_for(flat.bsdfs, scene):
         return None
-    random = np.random.default_rng(0)
-    pilot = Pilot(scene, random)
-    seen = seen_points(pilot)
-    parts = [light_off_mirrors(flat, scene, seen, random)]
+    seen, random = sight.seen, sight.random()
+    parts = [light_off_mirrors(sight, random)]
     glass = np.array([find_transmissive(bsdf, {}) is not None for bsdf in flat.bsdfs])
     if len(seen.point) and glass.any():
         clear = glass & np.array([is_caster(bsdf) for bsdf in flat.bsdfs])
         rows = seen.some(np.repeat(np.arange(len(seen.point)), DIRECTIONS))
-        found, q, part = _arriving(pilot, clear, rows)
+        found, q, part = _arriving(Pilot(scene, random), clear, rows)
         radiance = found * rows.weight / DIRECTIONS
         q, part = q * rows.reached, part * rows.reached
         parts.append(np.column_stack([rows.point, rows.cell, radiance, q, part / DIRECTIONS]))

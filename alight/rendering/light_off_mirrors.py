@@ -33,9 +33,6 @@ import numpy as np
 from alight.bsdfs.flags import REFLECTION
 from alight.bsdfs.nesting import has_holes
 from alight.compiled.casters import boxes_of_casters, is_caster
-from alight.compiled.lights import emitting_lights
-from alight.compiled.rendering_space import in_rendering_space
-from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.lights.emission.density import is_kind
 from alight.lights.emission.from_environments import line_pdf
@@ -45,14 +42,13 @@ from alight.rendering.nearby_lamps import with_nearby_lamps
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
-    Seen,
     columns_of,
     dots,
     lanes_of,
     picked,
     wide,
 )
-from alight.scene.flatten import FlatScene
+from alight.rendering.sight import Sight
 from alight.shapes.hit import INFO
 
 #: Light paths.
@@ -98,24 +94,19 @@ class _Light(NamedTuple):
         return _Light(*(picked(part, rows) for part in self))
 
 
-def light_off_mirrors(
-    flat: FlatScene, scene: CompiledScene, seen: Seen, random: np.random.Generator
-) -> np.ndarray:
+def light_off_mirrors(sight: Sight, random: np.random.Generator) -> np.ndarray:
     """Look for it where the camera sees something: rows of `light_behind_glass`."""
-    nothing = np.zeros((0, 7))
-    if not any(is_caster(bsdf) for bsdf in flat.bsdfs) or not len(seen.point):
+    nothing, flat, scene = np.zeros((0, 7)), sight.flat, sight.scene
+    if not any(is_caster(bsdf) for bsdf in flat.bsdfs) or not len(sight.seen.point):
         return nothing
-    if scene.origin.any():
-        flat = in_rendering_space(flat, scene.origin)
-    lights = emitting_lights(flat)
-    if lights is None:
+    if sight.lights is None:
         return nothing
-    pilot = Pilot(scene, random, scene.tables._replace(lights=lights))
-    pilot = with_nearby_lamps(pilot, seen)
+    pilot = Pilot(scene, random, scene.tables._replace(lights=sight.lights))
+    pilot = with_nearby_lamps(pilot, sight.seen)
     light = _set_out(pilot, boxes_of_casters(flat))
     casts = np.array([is_caster(bsdf) or has_holes(bsdf, {}) for bsdf in flat.bsdfs])
     arrived = _follow(pilot, light, casts)
-    return gather(pilot, seen, arrived) if len(arrived.share) >= NEAREST else nothing
+    return gather(pilot, sight.seen, arrived) if len(arrived.share) >= NEAREST else nothing
 
 
 # ---------------------------------------------------------------- from the lamps

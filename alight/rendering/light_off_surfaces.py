@@ -39,9 +39,6 @@ import numpy as np
 from alight.bsdfs.dispatch import evaluate_bsdf
 from alight.bsdfs.flags import DELTA, TRANSMISSION
 from alight.compiled.casters import is_caster
-from alight.compiled.lights import emitting_lights
-from alight.compiled.rendering_space import in_rendering_space
-from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE
 from alight.integrators.walk import to_local
@@ -71,10 +68,9 @@ from alight.rendering.pilot_rays import (
     joined,
     lanes_of,
     picked,
-    seen_points,
     wide,
 )
-from alight.scene.flatten import FlatScene
+from alight.rendering.sight import Sight
 from alight.shapes.hit import Hit, Surface
 
 #: Light paths.
@@ -141,42 +137,31 @@ class _Light(NamedTuple):
         return _Light(*(picked(part, rows) for part in self))
 
 
-def light_off_surfaces(flat: FlatScene, scene: CompiledScene) -> np.ndarray | None:
+def light_off_surfaces(sight: Sight) -> np.ndarray | None:
     """Look for it, the same way whatever the seed of the picture.
-
-    Parameters
-    ----------
-    flat : FlatScene
-    scene : CompiledScene
-        Made of it.
 
     Returns
     -------
     (n, 7) float64, or None where there is none
         Rows of `alight.rendering.light_behind_glass.light_behind_glass`, for the same points.
     """
-    integrator = scene.integrator
+    scene, integrator = sight.scene, sight.scene.integrator
     longest = integrator.longest_path or MOST_SURFACES + _EDGES
     if not integrator.needs_light or integrator.finds_light_by_chance or integrator.splats:
         return None
     if not scene.program.lights or longest < _EDGES:
         return None
-    # The same points of the film.
-    pilot = Pilot(scene, np.random.default_rng(0))
-    seen = seen_points(pilot)
-    placed = in_rendering_space(flat, scene.origin) if scene.origin.any() else flat
-    lights = emitting_lights(placed)
-    if lights is None or not len(seen.point):
+    if sight.lights is None or not len(sight.seen.point):
         return None
-    both = scene.tables._replace(lights=_both(scene.tables.lights, lights))
-    lit = with_nearby_lamps(Pilot(scene, pilot.random, both), seen)
-    mirrors = any(is_caster(bsdf) for bsdf in flat.bsdfs)
+    both = scene.tables._replace(lights=_both(scene.tables.lights, sight.lights))
+    lit = with_nearby_lamps(Pilot(scene, sight.random(), both), sight.seen)
+    mirrors = any(is_caster(bsdf) for bsdf in sight.flat.bsdfs)
     # What light misses is no number.
     with np.errstate(all="ignore"):
         arrived = _follow(lit, _set_out(lit), mirrors, longest - _EDGES + 1)
     if len(arrived.share) < NEAREST:
         return None
-    table = gather(lit, seen, arrived)
+    table = gather(lit, sight.seen, arrived)
     table = table[table[:, 5] * CELL_SIZE**2 * _FIRST < _OFTEN]
     return table if len(table) else None
 

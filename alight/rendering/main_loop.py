@@ -33,6 +33,7 @@ from alight.rendering.schedules.passes import Pace
 from alight.rendering.schedules.sample_bound import largest_sample
 from alight.rendering.schedules.schedule import Schedule
 from alight.rendering.schedules.selection import planned_spp, schedule_of, time_limit_of
+from alight.rendering.sight import Sight
 from alight.rendering.tiles.light_paths import LEAST_REPLICATES
 from alight.rendering.training.guide_training import is_to_be_guided, length_of, trained
 from alight.scene import FlatScene, Scene
@@ -129,12 +130,13 @@ def job_of(
         )  # fmt: skip
         clock.lap("training")
     replicates = replicates or flat.film.replicates
+    sight = Sight(flat, compiled)
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
         largest_sample=largest_sample(flat, compiled.program.light_tree),
         training=training,
-        look_behind_glass=partial(light_behind_glass, flat, compiled),
-        look_off_surfaces=partial(light_off_surfaces, flat, compiled),
+        look_behind_glass=partial(light_behind_glass, sight),
+        look_off_surfaces=partial(light_off_surfaces, sight),
     )  # fmt: skip
 
 

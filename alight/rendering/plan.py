@@ -136,7 +136,7 @@ class Pilot(Schedule):
         # Timed is what the rule does at each of its looks.
         begin = time.process_time()
         means, counts = film.replicate_means()
-        self.rare, whole = rare_noise(means, counts, film.behind_glass), figure.value
+        self.rare, whole = rare_noise(means, counts, film.rare_light), figure.value
         if _LITTLE * whole < self.rare.noise:
             means = without_samples(means, counts, self.rare.size)
             figure = estimate_relmse(means, counts).figure

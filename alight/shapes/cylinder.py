@@ -41,6 +41,7 @@ from alight.core.frame import frame_from_tangent
 from alight.core.maths import arctan2, sincos, sincos_2pi
 from alight.core.spec import Shape
 from alight.core.vec import Vec3, absolute_vec3, dot, gather_vec3, length_squared, row_vec3
+from alight.shapes.flat import circle
 from alight.shapes.hit import (
     INFO,
     AreaSample,
@@ -82,6 +83,13 @@ class Cylinder(Shape):
     p0: Vector3 = (0.0, 0.0, 0.0)
     p1: Vector3 = (0.0, 0.0, 1.0)
     radius: Positive = 1.0
+
+    def edges(self) -> np.ndarray:
+        """Points of the circles at both ends."""
+        start, end = np.array(self.p0), np.array(self.p1)
+        along = end - start
+        around = self.radius * circle()[:, :2] @ np.stack(_across(along / np.linalg.norm(along)))
+        return np.concatenate([start + around, end + around])
 
     @model_validator(mode="after")
     def _has_a_length(self) -> Self:

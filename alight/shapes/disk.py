@@ -20,6 +20,7 @@ from alight.shapes.flat import (
     AREA,
     E1,
     E2,
+    circle,
     flat_geometry,
     flat_point,
     local_coordinates,
@@ -41,6 +42,10 @@ class Disk(Shape):
     """
 
     type: Literal["disk"] = "disk"
+
+    def edges(self) -> np.ndarray:
+        """Points of its circle."""
+        return circle()
 
 
 EXAMPLES = (Disk(), Disk(flip_normals=True))

@@ -33,6 +33,12 @@ ERROR = gamma(16)
 CENTER, E1, E2, AREA, IS_RECTANGLE = 12, 16, 20, 27, 28
 
 
+def circle() -> np.ndarray:
+    """Points (8, 3) of the unit circle in the plane z = 0."""
+    angle = np.arange(8) * (np.pi / 4.0)
+    return np.stack([np.cos(angle), np.sin(angle), np.zeros(8)], axis=1)
+
+
 def pack_flat(matrix: np.ndarray, flip: bool, extent: float) -> np.ndarray:
     r"""The row of a flat shape.
 

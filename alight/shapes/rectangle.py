@@ -46,6 +46,10 @@ class Rectangle(Shape):
 
     type: Literal["rectangle"] = "rectangle"
 
+    def edges(self) -> np.ndarray:
+        """Its corners."""
+        return np.array([[x, y, 0.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
+
 
 EXAMPLES = (Rectangle(), Rectangle(flip_normals=True))
 

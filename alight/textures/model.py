@@ -42,8 +42,6 @@ class TextureModel(Record):
         The colour from those of its parts.
     features : (spec) -> tuple of str
         What programs must compile for a texture.
-    IN_SPACE : bool
-        Whether its row says where in the world the origin of rendering space is.
     """
 
     SLOTS: Mapping[str, int] = field(default_factory=dict)
@@ -52,7 +50,6 @@ class TextureModel(Record):
     load: Kernel = no_parameters
     operate: Kernel | None = None
     features: Callable[[Any], tuple[str, ...]] = no_features
-    IN_SPACE: bool = False
 
 
 #: All textures, by name.

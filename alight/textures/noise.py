@@ -136,9 +136,6 @@ def features(spec: Noise) -> tuple[str, ...]:
     return set_features(spec.uv_set) if spec.space == "uv" else ()
 
 
-#: The pattern has a place in the world.
-IN_SPACE = True
-
 _HALF_WORD = 2.0**16
 
 #: Whole cells along each axis, u32, modulo 2^32.

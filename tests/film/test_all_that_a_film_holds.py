@@ -8,6 +8,7 @@ from alight.films import Film, PartialFilm, merging
 from alight.films.coverage import Coverage, SurfaceSums
 from alight.films.fixed_point import to_limbs
 from alight.films.ledger import Bias
+from alight.films.storage import pack_films
 
 NAMES = [(f"thing {i}", f"stuff {i % 2}") for i in range(4)]
 #: What is no part of the film itself: found again from it, or of one process.
@@ -37,9 +38,9 @@ def full():
     )  # fmt: skip
     film.add_tile(partial_of(*WINDOW)[0])
     film.recorded, film.largest_sample = (Bias("clamp", "said", 0.25, 0.125),), 3.5
-    film.suspicions = ("the lamp is black",)
+    film.scene_warnings = ("the lamp is black",)
     film.shares_paths = film.by_chance = True
-    film.behind_glass = np.arange(12.0).reshape(2, 6)
+    film.rare_light = np.arange(12.0).reshape(2, 6)
     return film
 
 
@@ -72,10 +73,24 @@ def test_nothing_is_lost(copied, tmp_path):
     assert held(other) == held(film)
 
 
+def test_films_of_earlier_versions_are_read_whole(tmp_path, monkeypatch):
+    """Two of their parts had other names."""
+
+    def earlier(films):
+        described, arrays = pack_films(films)
+        for one in described:
+            one["suspicions"] = one.pop("scene_warnings")
+        return described, {n.replace("rare_light", "behind_glass"): a for n, a in arrays.items()}
+
+    film = full()
+    monkeypatch.setattr("alight.films.storage.pack_films", earlier)
+    assert held(Film.load(film.save(tmp_path / "a.alight"))) == held(film)
+
+
 def test_merged_films_warn_of_what_any_warns_of():
     films = [Film(8, 8) for _ in range(3)]
     for film, told in zip(films, (("a", "b"), (), ("b", "c")), strict=True):
-        film.suspicions = told
+        film.scene_warnings = told
     assert Film.merge(*films).warnings == ["a", "b", "c"]
 
 

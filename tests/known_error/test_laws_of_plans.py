@@ -188,7 +188,7 @@ def test_the_plan_is_what_the_rule_takes_within_a_factor_of_two():
             film = SimpleNamespace(
                 replicate_means=lambda found=(means, counts): found,
                 relmse_estimate=lambda literature, found=(means, counts): estimate_relmse(*found),
-                behind_glass=rows, largest_sample=None, by_chance=False,
+                rare_light=rows, largest_sample=None, by_chance=False,
             )  # fmt: skip
             pilot.seen.append((count, 0.05, pilot._look(film).value))
         assert 0.5 < plan_of(pilot, 4).spp.value / spp < 2.0
@@ -206,7 +206,7 @@ def test_a_look_takes_the_time_of_what_the_rule_does(monkeypatch):
     film = SimpleNamespace(
         replicate_means=lambda: takes(1.0, (means, counts)),
         relmse_estimate=lambda literature: takes(100.0, estimate_relmse(means, counts)),
-        behind_glass=None, largest_sample=None, by_chance=False,
+        rare_light=None, largest_sample=None, by_chance=False,
     )  # fmt: skip
     monkeypatch.setattr("alight.rendering.plan.time.process_time", lambda: clock[0])
     pilot = pilot_of(looks=[])

@@ -21,6 +21,7 @@ from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise, judge, judge_means
 from alight.rendering.schedules.unseen import unseen_error
+from alight.rendering.sight import Sight
 from alight.scene import flatten
 
 #: Radius and height of the lamp, half of the side that is seen of the floor, metres.
@@ -66,7 +67,7 @@ def room(*, size=(32, 24), crop=None, pane="thin_dielectric", integrator=None, l
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_behind_glass(flat, compile_scene(flat))
+    return light_behind_glass(Sight(flat, compile_scene(flat)))
 
 
 def of_floor(x, y):
@@ -261,10 +262,10 @@ def test_noise_and_missing_light_are_held_against_the_error_together():
 
 def test_the_table_goes_with_the_film(tmp_path):
     film = Film(32, 24)
-    film.behind_glass = found_in(room())
+    film.rare_light = found_in(room())
     film.save(tmp_path / "a.alight")
-    assert np.array_equal(Film.load(tmp_path / "a.alight").behind_glass, film.behind_glass)
-    assert film.empty_like().behind_glass is film.behind_glass
+    assert np.array_equal(Film.load(tmp_path / "a.alight").behind_glass, film.rare_light)
+    assert film.empty_like().behind_glass is film.rare_light
 
 
 def job(scene, schedule):
@@ -276,12 +277,12 @@ def job(scene, schedule):
 def test_a_render_looks_for_it_where_something_depends_on_it():
     wanted = found_in(room())
     promised = job(room(), Steered(16, 64, Promise(0.1)))
-    assert np.array_equal(promised.rounds[0].behind_glass, wanted)
+    assert np.array_equal(promised.rounds[0].rare_light, wanted)
     film = promised.rounds[0]
     film.sums[..., 0] = 1
     film.counts[:] = 16
     assert judge(film, Promise(0.1)).unseen > 0.1
-    assert job(room(), Uniform(4, 4)).rounds[0].behind_glass is None
+    assert job(room(), Uniform(4, 4)).rounds[0].rare_light is None
     capped = room(integrator={"type": "path", "max_depth": 3})
     assert np.array_equal(job(capped, Uniform(4, 4)).behind_glass, wanted)
 
@@ -290,11 +291,11 @@ def test_a_render_that_goes_on_to_an_error_looks_for_it():
     """It was begun without one, and its film holds no table."""
     begun, goes_on = job(room(), Uniform(4, 4)), job(room(), Steered(16, 64, Promise(0.1)))
     goes_on.restore(begun.state(), None)
-    assert np.array_equal(goes_on.rounds[0].behind_glass, found_in(room()))
+    assert np.array_equal(goes_on.rounds[0].rare_light, found_in(room()))
 
 
 def test_plans_look_for_it():
-    assert job(room(), Pilot(Promise(0.1))).rounds[0].behind_glass is not None
+    assert job(room(), Pilot(Promise(0.1))).rounds[0].rare_light is not None
     film = Film(8, 8, replicates=3)
     with pytest.raises(alight.OptionError, match="from 4 replicates on, got 3"):
         Pilot(Promise(0.1)).next([film])

@@ -11,6 +11,7 @@ from alight.rendering.arriving_light import NEAREST, _least
 from alight.rendering.light_behind_glass import light_behind_glass
 from alight.rendering.pilot_rays import POINTS
 from alight.rendering.schedules.stopping import Promise, judge_means
+from alight.rendering.sight import Sight
 from alight.scene import flatten
 
 #: The lamp is below a mirror that makes an image of it: metres, W/(m^2 sr).
@@ -55,7 +56,7 @@ def room(*, mirror="mirror", place=None, lamp=None, integrator=None, below=()):
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_behind_glass(flat, compile_scene(flat))
+    return light_behind_glass(Sight(flat, compile_scene(flat)))
 
 
 def of_image():

@@ -7,13 +7,15 @@ import pytest
 
 import alight
 from alight.compiled.scene import compile_scene
+from alight.rendering import sight as sight_module
 from alight.rendering.light_off_mirrors import light_off_mirrors
 from alight.rendering.light_off_surfaces import light_off_surfaces
 from alight.rendering.main_loop import job_of
-from alight.rendering.pilot_rays import POINTS, Pilot, seen_points
+from alight.rendering.pilot_rays import POINTS
 from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise, judge_means
+from alight.rendering.sight import Sight
 from alight.scene import flatten
 
 #: A lamp just below a small card: metres, W/(m^2 sr).
@@ -52,7 +54,7 @@ def room(card=None, integrator=None, medium=None, **more):
 
 def found_in(scene):
     flat = flatten(scene)
-    return light_off_surfaces(flat, compile_scene(flat))
+    return light_off_surfaces(Sight(flat, compile_scene(flat)))
 
 
 def of_card(n=16):
@@ -147,10 +149,9 @@ def test_what_clear_glass_turns_first_is_left_to_the_other_pilot_and_keeps_its_p
         "bsdf": {"type": "diffuse", "reflectance": 0},
     }
     flat = flatten(room(ball=ball, shade=shade))
-    scene = compile_scene(flat)
-    assert light_off_surfaces(flat, scene) is None
-    pilot = Pilot(scene, np.random.default_rng(0))
-    table = light_off_mirrors(flat, scene, seen_points(pilot), pilot.random)
+    sight = Sight(flat, compile_scene(flat))
+    assert light_off_surfaces(sight) is None
+    table = light_off_mirrors(sight, sight.random())
     assert 0.8 < table[:, 2].sum() / POINTS / of_card()[0] < 1.1
 
 
@@ -184,12 +185,29 @@ class Clock:
         pass
 
 
+def test_pilots_share_what_they_begin_with(monkeypatch):
+    """Points seen and lamps are found once; both pilots draw the same numbers behind the points."""
+    calls = []
+    for name in ("seen_points", "emitting_lights"):
+        make = getattr(sight_module, name)
+        monkeypatch.setattr(
+            sight_module, name, lambda one, name=name, make=make: calls.append(name) or make(one)
+        )
+    flat = flatten(room())
+    sight = Sight(flat, compile_scene(flat))
+    mirrored, again = light_off_mirrors(sight, sight.random()), sight.random()
+    assert len(mirrored) == 0
+    assert light_off_surfaces(sight) is not None
+    assert again.random() == sight.random().random()
+    assert sorted(calls) == ["emitting_lights", "seen_points"]
+
+
 def test_only_a_promise_looks_for_it():
     flat = flatten(room())
     scene = compile_scene(flat)
     options = {"seed": 3, "threads": 1, "replicates": 4}
     promised = job_of(flat, scene, Steered(16, 64, Promise(0.1)), Clock(), **options)
-    assert np.array_equal(promised.rounds[0].behind_glass, light_off_surfaces(flat, scene))
+    assert np.array_equal(promised.rounds[0].rare_light, light_off_surfaces(Sight(flat, scene)))
     # A cap's pilot has samples of its own.
     assert promised.behind_glass is None
-    assert job_of(flat, scene, Uniform(4, 4), Clock(), **options).rounds[0].behind_glass is None
+    assert job_of(flat, scene, Uniform(4, 4), Clock(), **options).rounds[0].rare_light is None

@@ -8,6 +8,7 @@ from alight.compiled.scene import compile_scene
 from alight.core.vec import Vec3
 from alight.rendering.light_behind_glass import DIRECTIONS, _magnified, light_behind_glass
 from alight.rendering.pilot_rays import POINTS, Pilot
+from alight.rendering.sight import Sight
 from alight.scene import flatten
 
 #: Lamp above a matte floor, of which little is seen: metres, W/(m^2 sr).
@@ -42,7 +43,7 @@ def found(shape, place, lamp=(0, 0, HEIGHT)):
 
     A cosine-distributed path meets a small lamp above it with the probability r^2 / h^2.
     """
-    table = light_behind_glass(*compiled(shape, place, lamp))[-POINTS * DIRECTIONS :]
+    table = light_behind_glass(Sight(*compiled(shape, place, lamp)))[-POINTS * DIRECTIONS :]
     plain = (RADIUS / HEIGHT) ** 2
     return table[:, 2].sum() / POINTS / (ALBEDO * RADIANCE * plain), table[:, 5].mean() / plain
 

@@ -144,7 +144,7 @@ class Pixels:
         h, w = counts.shape[:2]
         self.crop, self.cells, self.replicates = (0, 0, w, h), empty_cells(w, h), counts.shape[2]
         self.means, self.counts, self.aov_channels = means, counts, {}
-        self.largest_sample, self.by_chance, self.behind_glass = None, False, None
+        self.largest_sample, self.by_chance, self.rare_light = None, False, None
         self.spp = float(counts.sum(axis=2).mean())
 
     def replicate_means(self):

@@ -6,6 +6,12 @@ TESTS = "tests/estimators/test_subsurface.py"
 HALF_SPACE = f"{TESTS}::test_a_half_space_has_the_colour_that_is_asked_for[path]"
 MEDIUM = f"{TESTS}::test_walks_agree_with_a_medium_between_matte_surfaces[slab]"
 
+OPEN = "tests/estimators/test_open_bodies.py"
+TOLD = (
+    "tests/scene/test_warnings_of_bodies.py"
+    "::test_bodies_without_an_end_are_told_unless_something_may_close_them"
+)
+
 BODIES = (
     Mutant(
         "light that enters one primitive of a mesh and leaves by a matte one",
@@ -25,6 +31,29 @@ BODIES = (
         (("FLAT = 1e-8", "FLAT = 0.0"),),
         "tests/meshes/test_volume.py"
         "::test_a_card_with_two_faces_encloses_nothing_however_it_is_turned",
+    ),
+    Mutant(
+        "walks that come back from afar as seldom as straight rays",
+        "integrators/interiors/endless.py",
+        (
+            (
+                "ball[3] / maximum(sqrt(dot(away, away)), 1e-30)",
+                "ball[3] * ball[3] / maximum(dot(away, away), 1e-30)",
+            ),
+        ),
+        f"{OPEN}::test_the_chance_to_come_back_is_harmonic_outside_of_all_shapes",
+    ),
+    Mutant(
+        "walks that leave an open body for good",
+        "integrators/interiors/body_walk.py",
+        (("    worth = worth * chance_of_return(scene, path.o + distance * path.d)\n", ""),),
+        f"{OPEN}::test_walks_that_survive_outside_stand_for_those_that_do_not[60.0]",
+    ),
+    Mutant(
+        "open shapes that close themselves",
+        "compiled/warnings/edges.py",
+        (("others, near = owner != number,", "others, near = owner >= 0,"),),
+        f"{TOLD}[cylinder-transform0-others0-True]",
     ),
     Mutant(
         "walks weighted as if all of them were led back",

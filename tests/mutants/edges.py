@@ -94,7 +94,12 @@ EDGES = (
     Mutant(
         "warnings of the first of merged films only",
         "films/merging.py",
-        (("for part in parts for text in part.suspicions", "for text in parts[0].suspicions"),),
+        (
+            (
+                "for part in parts for text in part.scene_warnings",
+                "for text in parts[0].scene_warnings",
+            ),
+        ),
         "tests/film/test_all_that_a_film_holds.py::test_merged_films_warn_of_what_any_warns_of",
     ),
 )

@@ -45,7 +45,7 @@ RENDERING_SPACE = (
         f"{SPACE}::test_pictures_are_those_at_the_origin[motion-path]",
     ),
     Mutant(
-        "suspicions of the compiler told to nobody",
+        "warnings of the compiler told to nobody",
         "rendering/job.py",
         (("tuple(scene.warnings), self", "tuple(text * 0 for text in scene.warnings), self"),),
         f"{CONTACTS}::test_renders_say_so",
@@ -71,7 +71,7 @@ RENDERING_SPACE = (
     Mutant(
         "textures that know of no rendering space",
         "compiled/scene.py",
-        (("light_textures(flat), origin)", "light_textures(flat))"),),
+        (("packed.tables(origin)", "packed.tables()"),),
         f"{SPACE}::test_a_pattern_in_space_stays_where_it_is",
     ),
 )

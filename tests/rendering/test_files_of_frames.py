@@ -54,7 +54,7 @@ def test_what_went_wrong_is_told_with_the_number_of_its_frame(tmp_path, monkeypa
 
     def broken(scene, options, executor):
         film = Film(8, 8)
-        film.stats, film.invalid, film.suspicions = {"msamples_per_s": 1.0}, 3, ("it is dark",)
+        film.stats, film.invalid, film.scene_warnings = {"msamples_per_s": 1.0}, 3, ("it is dark",)
         return film
 
     monkeypatch.setattr(animation.main_loop, "render_film", broken)

@@ -51,13 +51,52 @@ def warnings_of(shape, **keys):
 def test_bodies_that_are_inside_out_are_told(shape, advice):
     """A mirror turns nothing inside out; what is open has no inside."""
     for scale in (1, [1, 1, -2]):
-        found = warnings_of(shape, node={"transform": [{"scale": scale}]})
+        told = warnings_of(shape, node={"transform": [{"scale": scale}]})
+        found = tuple(text for text in told if "no end" not in text)
         if advice is None:
             assert found == ()
         else:
             assert len(found) == 1
             assert found[0].startswith("body: a body whose normals point inwards is black")
             assert found[0].endswith(advice)
+
+
+#: A tube that is turned, and its lids: smaller than its ends as numbers of float32 are.
+TILT = [{"scale": [0.3, 0.3, 2]}, {"rotate": {"axis": "x", "angle": 33}}, {"translate": [1, 2, 3]}]
+LIDS = {
+    "top": {"shape": "disk", "transform": [{"translate": [0, 0, 1]}, *TILT]},
+    "bottom": {"shape": {"type": "disk", "flip_normals": True}, "transform": TILT},
+}
+UPRIGHT = {"cap": {"shape": "disk", "transform": {"translate": [0, 0, 1]}}}
+
+
+@pytest.mark.parametrize(
+    ("shape", "transform", "others", "told"),
+    [
+        ("cylinder", TILT, {}, True),
+        ("cylinder", TILT, {"top": LIDS["top"]}, True),
+        ("cylinder", TILT, LIDS, False),
+        ("cylinder", [], {"floor": {"shape": "plane"}}, True),
+        ("cylinder", [], {"floor": {"shape": "plane"}, **UPRIGHT}, False),
+        ("rectangle", TILT, {}, True),
+        ("disk", TILT, {}, True),
+        ({**CUBE, "faces": CUBE["faces"][1:]}, TILT, {}, True),
+        (CUBE, TILT, {}, False),
+        ("sphere", TILT, {}, False),
+    ],
+)
+def test_bodies_without_an_end_are_told_unless_something_may_close_them(
+    shape, transform, others, told
+):
+    found = warnings_of(shape, node={"transform": transform}, others=others)
+    assert [text[:6] for text in found if "close the shape" in text] == ["body: "] * told
+
+
+def test_many_bodies_without_an_end_are_told_in_one_line():
+    leaf = {"shape": "disk", "bsdf": {"type": "subsurface"}}
+    others = {f"leaf{n}": {**leaf, "transform": {"translate": [9 * n, 0, 0]}} for n in (1, 2)}
+    (found,) = warnings_of("disk", others=others)
+    assert found.startswith("body (and 2 more): ")
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,9 @@ NO_BODY = (-1.0, -1.0, -1.0)
 #: Share of a part whose weight varies over the surface.
 VARYING_SHARE = 0.5
 
+#: What programs call a scene in which bodies that scatter light may have no end.
+ENDLESS = "endless"
+
 #: of_material: three numbers a material, absorption of the body below it, per metre, or `NO_BODY`;
 #: box: six numbers, corners of the box around all bodies that absorb, metres.
 BodyTables = namedtuple("BodyTables", "of_material box")

@@ -24,8 +24,9 @@ asked for, by van de Hulst's approximation
 It differs from Chandrasekhar's exact albedo for diffuse light by less than 0.0025 everywhere. So
 where a body is thick, and lit evenly over a few radii, it looks like `diffuse` of the same colour.
 
-The shape has to be closed, with normals that point outwards: inside out, it is black, with a
-warning. A radius is measured in the world, however a node or an instance scales the shape. Shapes
+The shape has to be closed, with normals that point outwards. Inside out, it is black; where it is
+open, light leaves by the opening and is scattered on and on. There are warnings of both. A radius
+is measured in the world, however a node or an instance scales the shape. Shapes
 inside are met, but light between them and the surface is not scattered, nor is that of a camera
 inside.
 

@@ -39,13 +39,13 @@ def warnings_of_sizes(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...
     if far.any():
         at = int(far.argmax())
         told.append(
-            f"{_named(flat, sources[far])} {away[at]:.2g} m from the origin, where numbers of "
+            f"{named(flat, sources[far])} {away[at]:.2g} m from the origin, where numbers of "
             f"float32 are {100.0 * apart[at] / size[at]:.2g} % of its size apart: move the scene "
             "to the origin"
         )
     if lost.any():
         told.append(
-            f"{_named(flat, sources[lost])} {size[lost.argmax()]:.2g} m across: normals of "
+            f"{named(flat, sources[lost])} {size[lost.argmax()]:.2g} m across: normals of "
             f"triangles are exact from {SMALLEST:g} m to {LARGEST:g} m only; scale the scene"
         )
     return tuple(told)
@@ -69,7 +69,7 @@ def _rounded_meshes(flat: FlatScene) -> list[tuple[int, str]]:
     return found
 
 
-def _named(flat: FlatScene, sources: NDArray[np.int64]) -> str:
+def named(flat: FlatScene, sources: NDArray[np.int64]) -> str:
     """The first shape, and how many others there are."""
     others = np.unique(sources).size - 1
     return flat.shapes[sources[0]].name + (f" (and {others} more):" if others else ":")

@@ -29,7 +29,8 @@ to equal weights. Elsewhere the weights are bounded all the same, since walks go
 
 The body ends at the first surface from inside, whatever it is. A walk is part of an edge: it does
 not count as depth. Nothing in it looks for lights: from there they are behind a surface that
-scatters light.
+scatters light. Where a body has no end, walks that leave it behind end earlier
+(`alight.integrators.interiors.endless`).
 
 Source: Křivánek and d'Eon 2014, A zero-variance-based sampling scheme for Monte Carlo subsurface
 scattering, for the scheme and nu; Meng, Hanika and Dachsbacher 2016, Improving the Dwivedi sampling
@@ -48,6 +49,7 @@ from alight.core.frame import frame_from_normal
 from alight.core.maths import exp, log, pow
 from alight.core.vec import Vec3, absolute_vec3, dot, max_component, normalize
 from alight.core.warps import direction_around_z
+from alight.integrators.interiors.endless import chance_of_return
 from alight.integrators.moments import at_times_of
 from alight.integrators.walk import count_lanes, vertex_dimension
 from alight.lights.choice import lit_normal
@@ -335,6 +337,7 @@ def scatter(scene, path, walk):
 
     # Absorbed now and then, by what a walk still may add.
     worth = max_component(body.share * weight) / max_component(body.share)
+    worth = worth * chance_of_return(scene, path.o + distance * path.d)
     survival = minimum(worth * walk.factor * (1.0 / DIM), 1.0)
     longer = survival * (1.0 - LONG_POWER / maximum(to_float(walk.step), 2.0))
     survival = where(walk.step > LONG, longer, survival)

@@ -6,8 +6,8 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 
 from alight.compiled.displacement import displaced
-from alight.compiled.scene import compile_scene
-from alight.compiled.warnings.scenes import warnings_of_scene
+from alight.compiled.kept import Kept
+from alight.compiled.scene import CompiledScene, compile_scene
 from alight.core.spec import Bsdf
 from alight.integrators.contributions import can_record
 from alight.laws.scene.dump import write_failures
@@ -96,15 +96,21 @@ def check_scene(
     """
     CheckOptions.of({"only": only})
     progress("reading the scene")
-    told = warnings_of_scene(scene)
-    return Verdict(tuple(_findings(scene, seed, only, progress)), level, told)
+    kept, flat = Kept(), flatten(small(scene, integrator_of(scene)))
+    compiled = compile_scene(flat, structure="list", kept=kept)
+    # The same meshes, whose displacement is kept.
+    findings = _findings(scene, displaced(flat, kept), compiled, seed, only, progress)
+    return Verdict(tuple(findings), level, compiled.warnings)
 
 
 def _findings(
-    scene: Scene, seed: int, only: Sequence[str], say: Callable[[str], None]
+    scene: Scene,
+    flat: FlatScene,
+    compiled: CompiledScene,
+    seed: int,
+    only: Sequence[str],
+    say: Callable[[str], None],
 ) -> Iterator[Finding]:
-    flat = displaced(flatten(small(scene, integrator_of(scene))))
-    compiled = compile_scene(flat, structure="list")
     if "materials" in only:
         say("materials")
         yield from check_materials(material_names(scene, flat), seed)

@@ -65,7 +65,7 @@ def rare_noise(means: np.ndarray, counts: np.ndarray, behind: np.ndarray | None)
     means : ndarray, shape (h, w, R, 3)
     counts : ndarray of int, shape (h, w, R)
     behind : ndarray, shape (n, 7), or None
-        `Film.behind_glass`.
+        `Film.rare_light`.
     """
     if behind is None:
         return RareNoise()

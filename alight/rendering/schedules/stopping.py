@@ -182,7 +182,7 @@ def judge(film: Film, promise: Promise) -> Judgement:
     film : Film
     promise : Promise
     """
-    known = film.largest_sample, film.by_chance, film.behind_glass
+    known = film.largest_sample, film.by_chance, film.rare_light
     return judge_means(*film.replicate_means(), promise, *known)
 
 

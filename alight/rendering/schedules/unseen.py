@@ -41,8 +41,7 @@ class Unseen(NamedTuple):
     by_chance : bool, default False
         Whether only the bound counts.
     factor : float, default 1
-        So many times the samples make light behind glass (`Film.behind_glass`) smaller than the
-        error.
+        So many times the samples make rare light (`Film.rare_light`) smaller than the error.
     hidden : float, default 0
         That light alone, a relRMSE: what is expected to be missing, and no bound.
     """
@@ -63,7 +62,7 @@ class Unseen(NamedTuple):
 
 def unseen_of(film: Film) -> Unseen:
     """`unseen_error` of a film; `doubtful` against an error of 1 %."""
-    known = film.largest_sample, film.by_chance, film.behind_glass
+    known = film.largest_sample, film.by_chance, film.rare_light
     return unseen_error(*film.replicate_means(), 0.01, *known)
 
 
@@ -96,7 +95,7 @@ def unseen_error(
         Whether no path is led to a light. A lamp that no sample has met is then in no contribution
         either, so that the indicator says nothing.
     behind : ndarray, shape (n, 7), optional
-        `Film.behind_glass`. No sample of a cell has met a light that k n samples find with
+        `Film.rare_light`. No sample of a cell has met a light that k n samples find with
         probability q each, with probability exp(-k n q).
     """
     n = counts.sum(axis=2)

@@ -68,7 +68,7 @@ def with_everything() -> Film:
     )
     film.recorded = (ledger.Bias("depth", "paths end after 7 edges", 0.01, 0.002),)
     film.stats = {"seconds": {"render": 1.5}, "spp": 5.0, "rays": 12}
-    film.suspicions = ("it is dark",)
+    film.scene_warnings = ("it is dark",)
     return film
 
 

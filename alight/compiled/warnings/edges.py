@@ -1,0 +1,68 @@
+"""Open shapes with a body below: light walks out of the opening, into a body without an end."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from alight.bsdfs.nesting import scatters_inside
+from alight.compiled.bodies import is_closed
+from alight.compiled.shapes import CompiledShapes
+from alight.compiled.warnings.sizes import named
+from alight.meshes.volume import open_edges
+from alight.scene.flatten import NO_GEOMETRY, FlatScene, PlacedShape
+
+ENDLESS = (
+    "what scatters light inside has no end where its shape is open: light that leaves by the "
+    "opening is scattered on and on; close the shape"
+)
+
+#: Points of an edge that are asked whether another shape is there.
+MOST_POINTS = 64
+
+#: What is nearer to an edge than this part of the shape's size touches it.
+NEAR = 1e-3
+
+
+def warnings_of_edges(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...]:
+    """Warn of bodies at whose edges no other shape is that may close them.
+
+    Boxes decide: where one touches an edge, as that of a lid or of a floor, nothing is said.
+    """
+    inner = [scatters_inside(bsdf) for bsdf in flat.bsdfs]
+    numbers = [
+        number
+        for number, placed in enumerate(flat.shapes)
+        if placed.motion is None and inner[placed.bsdf] and not is_closed(flat, placed)
+    ]
+    if not numbers or not shapes.extents:
+        return ()
+    rows, *sides = zip(*shapes.extents, strict=True)
+    boxes = [[np.atleast_2d(corner) for corner in side] for side in sides]
+    owner = np.repeat([shapes.rows[row].source for row in rows], [len(one) for one in boxes[0]])
+    low, high = (np.concatenate(side) for side in boxes)
+    planes = [np.linalg.inv(placed.to_world) for placed in flat.shapes if not placed.shape.finite]
+    found = []
+    for number in numbers:
+        points = _edge_points(flat, flat.shapes[number])
+        if not len(points):
+            continue
+        others, near = owner != number, NEAR * float(np.ptp(points, axis=0).max())
+        at, below, above = points[:, None], low[others] - near, high[others] + near
+        touched = ((at >= below) & (at <= above)).all(axis=2).any(axis=1)
+        for inverse in planes:
+            # What has no edges itself is the plane z = 0 of its space.
+            touched |= np.abs(points @ inverse[2, :3] + inverse[2, 3]) <= near
+        if not touched.all():
+            found.append(number)
+    return (f"{named(flat, np.array(found))} {ENDLESS}",) if found else ()
+
+
+def _edge_points(flat: FlatScene, placed: PlacedShape) -> NDArray[np.float64]:
+    """Some points on the edges of a shape, (n, 3), metres."""
+    points = placed.shape.edges()
+    if placed.geometry != NO_GEOMETRY:
+        mesh = flat.geometries[placed.geometry]
+        points = open_edges(mesh.vertices, mesh.faces)
+        points = points[:: max(len(points) // MOST_POINTS, 1)]
+    return points @ placed.to_world[:3, :3].T + placed.to_world[:3, 3]
