@@ -6,7 +6,6 @@ Whoever holds it may run any code on the workers, and on the client: tasks and a
 from __future__ import annotations
 
 import os
-import ssl
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,6 +85,8 @@ def role_settings(folder: Path) -> dict[str, Any]:
 
 
 def _files(folder: Path) -> tuple[str, str]:
+    import ssl
+
     certificate, key = str(folder / CERTIFICATE), str(folder / KEY)
     if not (Path(certificate).is_file() and Path(key).is_file()):
         text = f"there is no {CERTIFICATE} and {KEY} in {folder}: alight cluster keys makes them"

@@ -22,13 +22,14 @@ def picture_of(film: Film, layers: bool) -> Picture:
         planes: dict[str, np.ndarray] = {}
         header: dict[str, str] = {}
         if layers:
+            # First, as it finds the unsure pixels along the way.
+            attributes["error"] = film.judged(literature=False)[0].line
             error = film.standard_error
             planes |= {f"standard_error.{c}": error[..., i] for i, c in enumerate("RGB")}
             planes["unsure"] = film.unsure.astype(np.uint32)
             planes["samples"] = film.sample_count.astype(np.uint32)
             planes |= aov_planes(film) | mattes.planes_of(film)
             header = mattes.header_of(film)
-            attributes["error"] = film.judged(literature=False)[0].line
         alpha, shadow = readout.cover_of(film)
         return Picture(
             film.image, planes, attributes, (film.width, film.height), film.crop[:2],

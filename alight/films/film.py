@@ -114,8 +114,8 @@ class Film:
         fingerprint: str = "",
         version: str = "",
     ) -> None:
-        tiles.check_shape(width, height, crop, replicates, channels)
-        expect(aovs, (Mapping, type(None)), "aovs", 'channels by layers, as {"depth": ("Z",)}')
+        tiles.check_shape(width, height, crop, replicates)
+        tiles.check_channels(channels, aovs)
         expect(surfaces, (Sequence, type(None)), "surfaces", "pairs of names")
         self.width, self.height = width, height
         self.crop = (0, 0, width, height) if crop is None else tuple(crop)
@@ -378,7 +378,7 @@ class Film:
         """
         if storage.is_film_file(path):
             return storage.save_film(path, self)
-        return write_image(path, self.picture(), **display)
+        return write_image(path, self, **display)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Film:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -58,19 +58,14 @@ class PartialFilm(NamedTuple):
     replicate: int | None = None
 
 
-def check_shape(
-    width: int, height: int, crop: Any, replicates: int, channels: Sequence[str]
-) -> None:
+def check_shape(width: int, height: int, crop: Any, replicates: int) -> None:
     """Refuse films of an impossible size or window."""
     for name, number in (("width", width), ("height", height), ("replicates", replicates)):
         expect(number, WHOLE, name, "a whole number")
-    expect(channels, (list, tuple), "channels", 'names of channels, as ("R", "G", "B")')
     if width < 1 or height < 1:
         raise FilmError(f"film size must be at least 1x1 pixels, got {width}x{height}")
     if replicates < 1:
         raise FilmError(f"replicates must be at least 1, got {replicates}")
-    if len(channels) < 3:
-        raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
     if crop is not None:
         listed = isinstance(crop, list | tuple) or (isinstance(crop, np.ndarray) and crop.ndim > 0)
         whole = listed and all(isinstance(c, WHOLE) for c in crop)
@@ -83,6 +78,20 @@ def check_shape(
                 f"crop {x},{y},{w},{h} must be a window of at least 1x1 pixels inside "
                 f"the film of {width}x{height}"
             )
+
+
+def check_channels(channels: Any, aovs: Any) -> None:
+    """Refuse what are no names of channels, of the picture or of its layers."""
+    wanted = 'names of channels, as ("R", "G", "B")'
+    layers = 'channels by layers, as {"depth": ("Z",)}'
+    lists = [(channels, "channels", wanted)]
+    found = expect(aovs, (Mapping, type(None)), "aovs", layers)
+    lists += [(names, "aovs", layers) for names in (found or {}).values()]
+    for names, argument, text in lists:
+        for name in expect(names, (list, tuple), argument, text):
+            expect(name, str, argument, text)
+    if len(channels) < 3:
+        raise FilmError(f"a film needs at least the channels R, G, B, got {names_of(channels)}")
 
 
 def window_of(film: Film, partial: PartialFilm) -> tuple[slice, slice, slice]:

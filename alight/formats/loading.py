@@ -17,14 +17,13 @@ from alight.core.errors import (
     is_at_or_below,
     show_value,
 )
-from alight.formats import mitsuba, pbrt
 from alight.formats.geometry.bounds import Bounds
 from alight.formats.objects import name_of, parse_object
 from alight.formats.objects.pieces import SMOOTH, Look
 from alight.formats.readers import READERS, read_model
 from alight.formats.reading.reach import OutOfReachError, Reach, is_file
 from alight.formats.reading.shown import Shown
-from alight.formats.scene_text import builtin_names, read_text
+from alight.formats.scene_text import PBRT, builtin_names, is_xml, read_text
 from alight.formats.scenes.made_up import fitted
 from alight.formats.scenes.missing import replace_missing
 from alight.formats.scenes.parsed import Parsed
@@ -231,7 +230,9 @@ def _loaded(
     text: str, name: str, reach: Reach, check: bool, definitions: Mapping[str, str], lenient: bool
 ) -> tuple[Scene, Bounds | None]:
     """A scene of a text, and what its camera must see where the file has none."""
-    if mitsuba.is_xml(text):
+    if is_xml(text):
+        from alight.formats import mitsuba
+
         parsed = mitsuba.parse(text, name, reach, definitions, lenient)
         source = _source(parsed, name, reach)
         return _built(parsed.data, parsed.issues, source, check), parsed.framed
@@ -271,7 +272,9 @@ def _parse(
 ) -> tuple[Any, list[Issue], Source]:
     """Plain data, problems so far and the origin, of pbrt's format or the native one."""
     _refuse_definitions(definitions, name)
-    if name.lower().endswith(pbrt.SUFFIX):
+    if name.lower().endswith(PBRT):
+        from alight.formats import pbrt
+
         parsed = pbrt.parse(text, name, reach, lenient)
         return parsed.data, parsed.issues, _source(parsed, name, reach)
     data, places, issues = plain_yaml.parse(text, name)

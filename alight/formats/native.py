@@ -13,7 +13,6 @@ import numpy as np
 
 from alight.core.arguments import expect, expect_path, known_words
 from alight.core.errors import Issue, SceneError, quote
-from alight.formats.gltf.write import write
 from alight.formats.scenes.made_up import without_floor
 from alight.media.volumes import holds_volume
 from alight.meshes import ply
@@ -74,6 +73,8 @@ def save(scene: Scene, path: str | os.PathLike[str]) -> tuple[str, ...]:
         kinds = ", ".join(WRITTEN)
         raise SceneError([Issue("", f"must end in {kinds}, got {quote(target.name)}", str(target))])
     if target.suffix.lower() == ".glb":
+        from alight.formats.gltf.write import write
+
         return tuple(write(flatten(without_floor(scene)), target))
     writer = _FileWriter(target, scene.source.folder)
     data = dump_scene(scene, writer)

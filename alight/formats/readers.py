@@ -1,17 +1,17 @@
-"""Scene files of other programs, by the ending of their names."""
+"""Scene files of other programs, by the ending of their names.
+
+What reads a format is imported with the first file of that format: most renders need none of it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from alight.core.errors import Issue, SceneError
 from alight.core.extras import install_command
-from alight.formats import gltf, mesh_scene
-from alight.formats.materialx import scene as materialx
-from alight.formats.obj import scene as obj_scene
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.shown import Shown
 from alight.formats.scenes.parsed import Parsed
@@ -42,6 +42,36 @@ class Reader(NamedTuple):
     opens_them: bool = False
 
 
+def _parse_gltf(*given: Any, **chosen: Any) -> Parsed:
+    from alight.formats import gltf
+
+    return gltf.parse(*given, **chosen)
+
+
+def _parse_obj(*given: Any, **chosen: Any) -> Parsed:
+    from alight.formats.obj import scene
+
+    return scene.parse(*given, **chosen)
+
+
+def _parse_ply(*given: Any) -> Parsed:
+    from alight.formats import mesh_scene
+
+    return mesh_scene.parse_ply(*given)
+
+
+def _parse_stl(*given: Any) -> Parsed:
+    from alight.formats import mesh_scene
+
+    return mesh_scene.parse_stl(*given)
+
+
+def _parse_materialx(*given: Any, **chosen: Any) -> Parsed:
+    from alight.formats.materialx import scene
+
+    return scene.parse(*given, **chosen)
+
+
 def _parse_usd(data: bytes, name: str, reach: Reach, shown: Shown, lenient: bool) -> Parsed:
     """Read a file of OpenUSD, if the package for it is there."""
     import importlib.util
@@ -56,15 +86,15 @@ def _parse_usd(data: bytes, name: str, reach: Reach, shown: Shown, lenient: bool
 
 
 _USD = Reader(_parse_usd, choices=("at",), opens_them=True)
-_GLTF = Reader(gltf.parse, choices=tuple(field.name for field in fields(Shown)))
+_GLTF = Reader(_parse_gltf, choices=tuple(field.name for field in fields(Shown)))
 
 READERS = {
     ".gltf": _GLTF,
     ".glb": _GLTF,
-    ".obj": Reader(obj_scene.parse),
-    ".ply": Reader(mesh_scene.parse_ply, names_files=False),
-    ".stl": Reader(mesh_scene.parse_stl, names_files=False),
-    ".mtlx": Reader(materialx.parse, choices=("variant",)),
+    ".obj": Reader(_parse_obj),
+    ".ply": Reader(_parse_ply, names_files=False),
+    ".stl": Reader(_parse_stl, names_files=False),
+    ".mtlx": Reader(_parse_materialx, choices=("variant",)),
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _USD),
 }
 

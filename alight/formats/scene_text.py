@@ -7,14 +7,16 @@ from importlib import resources
 from pathlib import Path
 
 from alight.core.errors import Issue, SceneError, nearest, quote
-from alight.formats import pbrt
 from alight.formats.native import SUFFIXES
 from alight.formats.readers import READERS
 from alight.formats.reading.reach import is_file
 from alight.scene import plain_yaml
 
+#: Ending of pbrt's files; those of Mitsuba are known by what they hold, see `is_xml`.
+PBRT = ".pbrt"
+
 # Files of other programs.
-FOREIGN = (".xml", pbrt.SUFFIX, *READERS)
+FOREIGN = (".xml", PBRT, *READERS)
 
 
 def builtin_names() -> tuple[str, ...]:
@@ -51,6 +53,11 @@ def read_text(path: Path) -> str:
         raise SceneError([Issue("", text, name)]) from None
     except OSError as error:
         raise SceneError([Issue("", f"cannot be read: {error.strerror}", name)]) from None
+
+
+def is_xml(text: str) -> bool:
+    """Whether a text is a file of Mitsuba rather than a native one."""
+    return text.lstrip("\ufeff \t\r\n").startswith("<")
 
 
 def _missing(path: Path) -> str:

@@ -267,8 +267,7 @@ class RenderOptions(
         super().__post_init__()
         if self.schedule is not None:
             for name in self.given("error", "adaptive", "criterion", "max_spp"):
-                problem = "{schedule} decides itself which samples are rendered; leave out {%s}"
-                raise OptionError(problem % name, names=("schedule", name))
+                refuse_beside_schedule(name)
         if self.part is not None:
             check_part(self)
         further = [name for name in self.layers_of_background if name not in self.aovs]
@@ -295,6 +294,17 @@ class RenderOptions(
         """Those of any scene, and what a transparent background takes."""
         found = super().assignments()
         return found if self.background == "scene" else [*found, f"{HIDES}=true"]
+
+
+def refuse_beside_schedule(name: str) -> None:
+    """Refuse an option that a schedule of the user's own would not look at.
+
+    Raises
+    ------
+    OptionError
+    """
+    text = "{schedule} decides itself which samples are rendered; leave out {%s}"
+    raise OptionError(text % name, names=("schedule", name))
 
 
 def check_end(error: float | None, spp: int | None, max_spp: int | None) -> None:

@@ -11,7 +11,13 @@ from alight.core.errors import OptionError
 from alight.options.cluster import ClusterOptions
 from alight.options.kinds import Anything, File, Files, Text
 from alight.options.quantities import Seconds, Whole
-from alight.options.render import EVERY, MOST_SAMPLES, PromiseOptions, check_end
+from alight.options.render import (
+    EVERY,
+    MOST_SAMPLES,
+    PromiseOptions,
+    check_end,
+    refuse_beside_schedule,
+)
 from alight.options.scene import scripts
 from alight.options.table import PROMISE, option, table
 
@@ -97,6 +103,9 @@ class ResumeOptions(PromiseOptions, ClusterOptions):
     def __post_init__(self) -> None:
         """Refuse contradictions, too."""
         super().__post_init__()
+        if self.schedule is not None:
+            for name in self.given("spp", "error", "max_spp", "promise"):
+                refuse_beside_schedule(name)
         # Without an error of its own a limit is that of the checkpoint's.
         if self.max_spp is not None and self.spp is not None:
             text = "{max_spp} limits {error}, and {spp} is without one: give one of the two"

@@ -98,6 +98,8 @@ def write_image(
 def read_image(path: str | os.PathLike[str]) -> np.ndarray:
     """Read a picture as linear sRGB.
 
+    Of OpenEXR files it gives the pixels that are there, the data window: a crop stays a crop.
+
     Returns
     -------
     ndarray of float32, shape (h, w, 3)

@@ -14,8 +14,10 @@ from alight.core.errors import OptionError
 from alight.options import animation, laboratory, render, resume, view
 from alight.options.kinds import Anything, File, Files
 from alight.options.render import RenderOptions
+from alight.options.resume import ResumeOptions
 from alight.options.table import PANELS, Options, documented
 from alight.rendering.schedules.schedule import Uniform
+from alight.rendering.schedules.stopping import Promise
 from tests.options.examples import WRONG, example
 
 TABLES = [
@@ -131,6 +133,9 @@ def test_contradictions_are_refused_in_the_words_of_the_user():
         ).replace(" spp", " --spp")
     with pytest.raises(OptionError, match=r"schedule decides itself .* leave out error"):
         alight.RenderOptions(schedule=Uniform(0, 4), error=0.1)
+    for name, value in {"spp": 8, "max_spp": 8, "error": 0.1, "promise": Promise(0.1)}.items():
+        with pytest.raises(OptionError, match=rf"schedule decides itself .* leave out {name}"):
+            ResumeOptions(schedule=Uniform(0, 4), **{name: value})
 
 
 def test_options_cannot_be_changed_but_copied():

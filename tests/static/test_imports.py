@@ -51,3 +51,12 @@ def test_light_commands_leave_heavy_packages_alone(code):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == ""
+
+
+def test_readers_of_other_programs_are_imported_with_their_first_file():
+    folders = ("gltf", "materialx", "mitsuba", "obj", "pbrt", "usd")
+    code = "import alight.rendering, alight.formats, sys; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert not set(done.stdout.split()) & {f"alight.formats.{folder}" for folder in folders}

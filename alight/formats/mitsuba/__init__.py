@@ -7,6 +7,6 @@ Source: the documentation of Mitsuba 3 (https://mitsuba.readthedocs.io) and of M
 they leave open was found by experiment with Mitsuba 3.
 """
 
-from alight.formats.mitsuba.scene import Parsed, is_xml, parse
+from alight.formats.mitsuba.scene import Parsed, parse
 
-__all__ = ["Parsed", "is_xml", "parse"]
+__all__ = ["Parsed", "parse"]

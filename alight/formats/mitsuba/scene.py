@@ -32,11 +32,6 @@ MATERIALS = bsdfs.COVERED | stand_ins.STAND_INS
 TOP = ("sensor", "integrator", "texture", "bsdf", "medium", "shape", "emitter")
 
 
-def is_xml(text: str) -> bool:
-    """Whether a text is a file of Mitsuba rather than a native one."""
-    return text.lstrip("\ufeff \t\r\n").startswith("<")
-
-
 def parse(
     text: str,
     name: str,

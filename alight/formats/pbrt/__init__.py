@@ -8,6 +8,6 @@ Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition (2023), whos
 what the documentation leaves open.
 """
 
-from alight.formats.pbrt.scene import SUFFIX, parse
+from alight.formats.pbrt.scene import parse
 
-__all__ = ["SUFFIX", "parse"]
+__all__ = ["parse"]

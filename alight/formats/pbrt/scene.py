@@ -22,7 +22,6 @@ from alight.formats.reading.report import Report
 from alight.formats.scenes.parsed import Parsed
 from alight.scene.build import FORMAT_VERSION
 
-SUFFIX = ".pbrt"
 MOST_INCLUDES, MOST_INCLUDE_LEVELS = 10_000, 16
 MOST_BYTES = 2**29
 #: After so many problems the rest of a file is not looked at.

@@ -46,8 +46,10 @@ class Input:
         R of the standard errors; 0 without.
     samples : ndarray of uint32, shape (h, w), or None
         Samples of each pixel, where standard errors are known.
+    place : (int, int) or None
+        Where in its full film or display window the upper left pixel lies, if that is known.
     remarks : list of str
-        What was done to make it comparable.
+        What was done to make it comparable, and what is suspicious.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Input:
     error: np.ndarray | None = None
     replicates: int = 0
     samples: np.ndarray | None = None
+    place: tuple[int, int] | None = None
     remarks: list[str] = field(default_factory=list)
 
     @property
@@ -89,7 +92,8 @@ def as_input(source: Any, name: str, layer: str | None) -> Input:
         if isinstance(source, Film):
             picture = source.picture()
             own = {c: picture.image[..., i] for i, c in enumerate("RGB")}
-            return _of_channels(name, {**own, **picture.layers}, picture.attributes, layer)
+            found = _of_channels(name, {**own, **picture.layers}, picture.attributes, layer)
+            return replace(found, place=picture.offset)
     except ValueError as error:
         raise OutputError(f"cannot compare {name}: {_sentence(error)}") from error
     wanted = "a picture: its path, a film or an array of shape (h, w, 3)"
@@ -168,12 +172,13 @@ def _as_input(name: str, texels: np.ndarray) -> Input:
 
 
 def _read_exr(path: Path, layer: str | None) -> Input:
-    width, height, _ = exr.read_size(path)
-    _check_size(width, height)
+    data, display, _ = exr.read_windows(path)
+    _check_size(*data.size)
     channels, header = exr.read_layers(path)
     if len({plane.shape for plane in channels.values()}) > 1:
         raise ValueError("has channels of different sizes")
-    return _of_channels(str(path), channels, header, layer)
+    left, top = (a - b for a, b in zip(data.low, display.low, strict=True))
+    return replace(_of_channels(str(path), channels, header, layer), place=(left, top))
 
 
 def _of_channels(
@@ -253,6 +258,7 @@ def make_comparable(inputs: list[Input], skip_invalid: bool = False) -> list[Inp
                 f"the pictures have different sizes: {first.name} {w} x {h}, "
                 f"{other.name} {v} x {g} pixels"
             )
+    inputs = [first, *(_of_one_place(other, first) for other in inputs[1:])]
     invalid = [~np.isfinite(one.image).all(axis=2) for one in inputs]
     for one, bad in zip(inputs, invalid, strict=True):
         if bad.any() and not skip_invalid:
@@ -266,6 +272,15 @@ def make_comparable(inputs: list[Input], skip_invalid: bool = False) -> list[Inp
     if not bad.any():
         return inputs
     return [_without(one, bad, own) for one, own in zip(inputs, invalid, strict=True)]
+
+
+def _of_one_place(one: Input, first: Input) -> Input:
+    """Say that pictures may be of different parts: crops of one size, but from other places."""
+    if one.place == first.place or one.place is None or first.place is None:
+        return one
+    (x, y), (u, v) = one.place, first.place
+    text = f"{one.name}: begins at {x},{y} of its full picture, {first.name} at {u},{v}"
+    return replace(one, remarks=[*one.remarks, text])
 
 
 def _on_one_display(inputs: list[Input]) -> list[Input]:

@@ -8,7 +8,7 @@ from alight.core.srgb import encode_srgb
 from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.lab.compare import Input, make_comparable, read_input
-from alight.lab.compare.inputs import _parts
+from alight.lab.compare.inputs import _parts, as_input
 from alight.outputs import write_image
 
 
@@ -151,6 +151,21 @@ def test_layers_must_exist_and_be_in_an_exr_file(tmp_path):
     np.save(tmp_path / "a.npy", picture())
     with pytest.raises(OutputError, match="only OpenEXR files have layers"):
         read_input(tmp_path / "a.npy", "albedo")
+
+
+def test_crops_from_different_places_are_told(tmp_path):
+    parts = {"a": (0, 0, 8, 8), "b": (8, 0, 8, 8)}
+    films = {name: Film(16, 8, crop=crop) for name, crop in parts.items()}
+    for name, part in films.items():
+        part.save(tmp_path / f"{name}.exr")
+    told = f"{tmp_path / 'b.exr'}: begins at 8,0 of its full picture, {tmp_path / 'a.exr'} at 0,0"
+    read = [read_input(tmp_path / f"{name}.exr") for name in parts]
+    assert [one.remarks for one in make_comparable(read)] == [[], [told]]
+    assert [one.remarks for one in make_comparable([read[1], read[1]])] == [[], []]
+    assert as_input(films["b"], "B", None).place == read[1].place == (8, 0)
+    # An array does not say where it is from.
+    plain = as_input(np.zeros((8, 8, 3), np.float32), "C", None)
+    assert make_comparable([plain, read[1]])[1].remarks == []
 
 
 def test_other_sizes_and_invalid_pixels_are_refused_with_their_place():
