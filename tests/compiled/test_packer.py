@@ -40,3 +40,8 @@ def test_behind_many_numbers_a_start_is_exact_still():
 def test_what_no_row_can_say_is_refused():
     with pytest.raises(AlightError, match="more tables"):
         packer(zeros(2**30)).curve("table", zeros(3))
+
+
+def test_a_texture_s_name_is_no_texture_yet():
+    with pytest.raises(ValueError, match="the texture name 'wood' must be resolved"):
+        packer().scalar("table", "wood")

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import alight
+from alight.bsdfs.matte.diffuse import Diffuse
 from alight.cli.main import app
 from alight.formats import loads
 from alight.laws.mutants import MUTANTS, plant, run_with
@@ -16,6 +17,7 @@ from alight.laws.scene import Finding, Verdict, check_scene
 from alight.laws.scene.dump import write_failures
 from alight.laws.scene.findings import adjusted_by_holm
 from alight.laws.scene.lights import Cone, _difference
+from alight.laws.scene.materials import check_materials
 from alight.laws.scene.pictures import SEEDS, SPP, Side, compared
 from tests.portion import portion
 
@@ -53,6 +55,27 @@ def test_a_scene_without_a_bug_keeps_all_laws():
     assert sum("follow their density" in f.law and f.part.startswith("light ") for f in
                verdict.findings) == 6  # fmt: skip
     assert all(f.p is not None or f.holds is not None for f in verdict.findings)
+
+
+def test_a_verdict_is_true_if_all_laws_hold():
+    good, bad = Finding("a", "law", holds=True), Finding("b", "law", holds=False)
+    assert bool(Verdict((good,), 0.05)) is True
+    assert bool(Verdict((good, bad), 0.05)) is False
+
+
+def test_so_many_materials_are_looked_at_and_the_others_are_counted(monkeypatch):
+    monkeypatch.setattr("alight.laws.scene.materials.MOST", 2)
+    monkeypatch.setattr(
+        "alight.laws.scene.materials._of_one",
+        lambda name, material, rng: iter([Finding(name, "law", holds=True)]),
+    )
+    specs = {name: Diffuse() for name in "abcde"}
+    found = [(finding.part, finding.detail) for finding in check_materials(specs, 1)]
+    assert found == [
+        ("material a", ""), ("material b", ""), ("materials", "3 more were not looked at"),
+    ]  # fmt: skip
+    del specs["c"], specs["d"], specs["e"]
+    assert len(list(check_materials(specs, 1))) == 2
 
 
 @pytest.mark.parametrize(

@@ -49,6 +49,10 @@ class MaterialItem:
     is_open: bool = False
 
 
+#: Keys of a texture that say how bright it may be.
+_PARTS = ("a", "b", "texture", "weight", "color0", "color1")
+
+
 @dataclass
 class Making(Source):
     """A material in the making, which may hold others."""
@@ -69,16 +73,20 @@ class Making(Source):
                 text = f"reflects more than it gets, [{shown}]: it is cut at 1"
                 self.p.report.warn(self.p.named[name], text)
             return [min(channel, 1.0) for channel in found]
-        return (
-            entry(self, {"type": "clamp", "texture": found}) if self._may_exceed(found) else found
-        )
+        return self.capped(found)
+
+    def capped(self, name: str) -> str:
+        """A texture that ends at 1: itself, unless it may be brighter."""
+        if not self._may_exceed(name):
+            return name
+        return entry(self, {"type": "clamp", "texture": name})
 
     def _may_exceed(self, name: str) -> bool:
         """Whether a texture may be brighter than 1, as far as is known before files are read."""
         stack, table = [name], self.context.tables["textures"]
         while stack:
             data = table[stack.pop()]
-            parts = [data[key] for key in ("a", "b", "texture", "weight") if key in data]
+            parts = [data[key] for key in _PARTS if key in data]
             stack += [part for part in parts if isinstance(part, str)]
             bright = any(isinstance(part, list) and max(part) > 1.0 for part in parts)
             if bright or str(data.get("file", "")).lower().endswith(FLOATS):

@@ -27,7 +27,8 @@ def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, fl
     old = m.context.old
     both = m.number(f"{prefix}roughness", default)
     remapped = m.p.flag("remaproughness", True)
-    found = []
+    found: list[float | str] = []
+    ends: dict[str, str] = {}
     for axis in "uv":
         value = m.number(f"{prefix}{axis}roughness", None)
         value = both if value is None else value
@@ -35,6 +36,10 @@ def alphas(m: Making, default: float, prefix: str = "") -> tuple[float | str, fl
         if isinstance(value, str):
             if remapped:
                 m.warn("has a texture of roughness, which is taken as alpha without remapping")
+            # One texture for both stays one.
+            if value not in ends:
+                ends[value] = m.capped(value)
+            value = ends[value]
         elif old and value == 0.0:
             # A mirror in pbrt 3, whatever the polynomial says.
             value = 0.0

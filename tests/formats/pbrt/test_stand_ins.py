@@ -55,6 +55,26 @@ def test_measured_materials_are_read_and_have_two_sides(tmp_path):
     assert found.bsdf.data == satin()
 
 
+@pytest.mark.parametrize(
+    ("texture", "most"),
+    [
+        ('"fbm"', 1.0),
+        ('"checkerboard" "float tex1" 0.2 "float tex2" 1.5', 1.0),
+        ('"checkerboard" "float tex1" 0.2 "float tex2" 0.7', 0.7),
+    ],
+)
+@pytest.mark.parametrize("material", ["conductor", "dielectric", "coateddiffuse"])
+def test_textures_of_roughness_end_at_the_roughest(texture, most, material):
+    scene = read(
+        f'Texture "t" "float" {texture}\nMaterial "{material}" "texture roughness" "t"\n'
+        'Shape "sphere"'
+    )
+    [material] = flatten(scene).bsdfs
+    while hasattr(material, "bsdf"):
+        material = material.bsdf
+    assert max(material.alpha.maximum()) == pytest.approx(most)
+
+
 def test_media_by_name_have_their_coefficients():
     (scattered, absorbed), eta = SUBSTANCES["Marble"], 1.33
     meant = [diffuse_reflectance(a, s, eta) for a, s in zip(absorbed, scattered, strict=True)]
