@@ -26,7 +26,8 @@ PACKAGE_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-ch
 help:
 	@echo "make demo      install into .venv and render the Cornell box to cornell.png"
 	@echo "make test      run the test suite (10 minutes on 2 cores)"
-	@echo "make proofs    run the long statistics, the planted bugs and 8 lanes (40 minutes)"
+	@echo "make proofs    run the long statistics, the planted bugs and 8 lanes; every fourth case of"
+	@echo "               long lists, from the second on: make proofs PORTION=2/4"
 	@echo "make smoke     run a short suite: make smoke PYTHON=python3.13 VENV=.venv-3.13"
 	@echo "make package   build wheel and sdist, install the wheel afresh and render with it"
 	@echo "make campaign  check the invariants of rendering on random scenes (SEEDS=0-1)"

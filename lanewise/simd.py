@@ -29,6 +29,9 @@ WIDEST = 16
 #: compiled code uses the processor's width.
 LANES = LaneCount(WIDEST)
 
+#: Lanes in the twin from which on they are chosen by bits: below, NumPy's choice takes no longer.
+MANY = 1 << 14
+
 
 def where(mask, a, b) -> Any:
     """Lane-wise choice: `a` where `mask`, else `b` (scalars, lanes, Vec3, tuples of them).
@@ -51,7 +54,31 @@ def where(mask, a, b) -> Any:
         if isinstance(a, bool) and isinstance(b, bool):
             kind = np.bool_
         return np.where(mask, kind(a), kind(b))
+    if getattr(mask, "size", 1) >= MANY:
+        return _where_many(mask, a, b)
     return np.where(mask, a, b)
+
+
+def _where_many(mask, a, b) -> Any:
+    """`numpy.where`, of 32 bits by exclusive or: the processor has no branch to guess wrongly."""
+    x, y = (_as_kind_of(p, q) for p, q in ((a, b), (b, a)))
+    shapes = {mask.shape, ()}
+    if x is None or y is None or not {x.shape, y.shape} <= shapes or mask.dtype != np.bool_:
+        return np.where(mask, a, b)
+    bits = np.negative(mask.view(np.int8), dtype=np.int32)
+    bits &= x.view(np.int32) ^ y.view(np.int32)
+    bits ^= y.view(np.int32)
+    return bits.view(x.dtype)
+
+
+def _as_kind_of(x, other) -> Any:
+    """Lanes or a number of 32 bits as the kind that NumPy gives it beside the other; else None."""
+    if type(x) is int or (type(x) is float and other.dtype == np.float32):
+        x = other.dtype.type(x)
+    kind = getattr(x, "dtype", None)
+    if kind is None or kind.itemsize != 4 or getattr(other, "dtype", kind) != kind:
+        return None
+    return x
 
 
 def any_lane(mask):

@@ -22,7 +22,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -284,20 +284,19 @@ class Campaign:
         return process, [victim] if word == "stop" else []
 
 
-def run(folder: Path, faults: int | None, seed: int) -> dict:
+def run(folder: Path, numbers: Callable[[int], Iterable[int]], seed: int) -> dict:
     """A campaign; gives what its last line says.
 
     Parameters
     ----------
     folder : Path
-    faults : int or None
-        Renders; None is each kind of fault once.
+    numbers : callable
+        Given how many kinds of fault there are, which trials: each has the fault of its number.
     seed : int
     """
     campaign = Campaign(folder, seed)
-    faults = len(campaign.faults) if faults is None else faults
     try:
-        for number in range(faults):
+        for number in numbers(len(campaign.faults)):
             campaign.trial(number)
     finally:
         campaign.cluster.end()
@@ -323,7 +322,7 @@ def main() -> None:
         client(*given.client)
         return
     given.folder.mkdir(parents=True, exist_ok=True)
-    print(json.dumps(run(given.folder.resolve(), given.faults, given.seed)))
+    print(json.dumps(run(given.folder.resolve(), lambda kinds: range(given.faults), given.seed)))
 
 
 if __name__ == "__main__":

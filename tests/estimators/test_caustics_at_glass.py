@@ -11,6 +11,7 @@ import pytest
 import alight
 from alight.formats import loads
 from alight.laws.statistics import LARGEST_Z
+from tests.portion import portion
 
 pytestmark = pytest.mark.proofs
 
@@ -86,7 +87,7 @@ def mean_of(case, caustics, spp):
     return film.mean.astype(np.float64).mean(axis=(0, 1)), error
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", portion(CASES))
 def test_caustics_are_those_that_paths_find(case):
     of_paths, of_manifold = (
         mean_of(case, caustics, spp)

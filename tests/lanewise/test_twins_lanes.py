@@ -9,6 +9,7 @@ from lanewise.jit import instantiate, kernel
 from lanewise.records import local_records, put_records, records_at
 from lanewise.simd import (
     LANES,
+    MANY,
     WIDEST,
     as_int,
     as_uint,
@@ -75,3 +76,21 @@ def test_every_lane_is_counted(lanes):
             np.where(large, np.arange(lanes) + large.sum(), 0),
         ]  # fmt: skip
         np.testing.assert_array_equal(out.shaped[:, i : i + lanes], expected)
+
+
+def test_many_lanes_are_chosen_to_the_bits_and_the_kind_of_numpys_choice():
+    """Of any bits, NaN among them, and of numbers beside lanes."""
+    rng = np.random.default_rng(3)
+    mask = rng.random(MANY) < 0.5
+    words, others = rng.integers(0, 1 << 32, (2, MANY), dtype=np.uint32)
+    floats, doubles = words.view(np.float32), rng.random(MANY)
+    for a, b in (
+        (floats, others.view(np.float32)), (floats[::-1], floats), (floats, 0.1), (1, floats),
+        (floats, np.float32(-0.0)), (floats, np.float64(0.1)), (floats, True), (floats, words),
+        (words, others), (words, 3), (words, 0.5), (words.view(np.int32), -3), (words, words[0]),
+        (mask, ~mask), (mask, 1), (doubles, floats), (np.float32(1.0), np.float32(2.0)),
+    ):  # fmt: skip
+        for first, second in ((a, b), (b, a)):
+            found, right = where(mask, first, second), np.where(mask, first, second)
+            assert found.dtype == right.dtype
+            assert found.tobytes() == right.tobytes()

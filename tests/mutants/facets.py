@@ -9,7 +9,7 @@ FACETS = (
         "wrong Jacobian of the half vector",
         "bsdfs/conductors/rough_conductor.py",
         (("pdf = 0.25 * facet_density", "pdf = 0.5 * facet_density"),),
-        "tests/laws/test_bsdfs.py",
+        "tests/laws/test_bsdfs.py::test_it_obeys_the_laws_of_bsdfs[rough_conductor-0]",
     ),
     Mutant(
         "G1 for G: no shadow on the way in",

@@ -246,7 +246,8 @@ LIGHT = (
         "radiance of the sun by the square of its diameter",
         "lights/sun.py",
         (("solid_angle(DIAMETER) / solid_angle(diameter)", "(DIAMETER / diameter) ** 2"),),
-        "tests/lights/test_sun_of_any_size.py",
+        "tests/lights/test_sun_of_any_size.py"
+        "::test_the_light_of_the_sun_does_not_depend_on_its_size[Sun-20.0]",
     ),
     Mutant(
         "power of a sphere of OpenUSD normalised by its area before it is placed",

@@ -2,7 +2,7 @@
 
 from tests.mutants.mutant import Mutant
 
-LAWS = "tests/laws/test_bsdfs.py"
+LAWS = "tests/laws/test_bsdfs.py::test_it_obeys_the_laws_of_bsdfs[plastic-0]"
 BITMAPS = "tests/textures/test_bitmap.py"
 LAYERED = "tests/physics/test_layered_models.py"
 COATS = "tests/physics/test_coated_conductor.py"

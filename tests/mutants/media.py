@@ -108,7 +108,8 @@ MEDIA = (
         "albedo of a grid looked up half-way",
         "media/grid.py",
         (("ALBEDOS, way.o + t * way.d)", "ALBEDOS, way.o + 0.5 * t * way.d)"),),
-        "tests/media/test_values_on_grids.py",
+        "tests/media/test_values_on_grids.py"
+        "::test_values_are_those_of_the_place_of_the_collision[box]",
     ),
     Mutant(
         "channel and time drawn from one number",

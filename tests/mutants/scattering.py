@@ -2,7 +2,7 @@
 
 from tests.mutants.mutant import Mutant
 
-LAWS = "tests/laws/test_bsdfs.py"
+LAWS = "tests/laws/test_bsdfs.py::test_it_obeys_the_laws_of_bsdfs"
 MEASURED = "tests/physics/test_measured.py"
 TWO_SIDES = "tests/physics/test_two_sides.py::test_each_side_is_that_of_its_material"
 
@@ -11,13 +11,13 @@ SCATTERING = (
         "value of a BSDF without the cosine",
         "bsdfs/matte/diffuse.py",
         (("cosine = where(above, INV_PI * wi.z, 0.0)", "cosine = where(above, INV_PI, 0.0)"),),
-        LAWS,
+        f"{LAWS}[diffuse-0]",
     ),
     Mutant(
         "eta for eta^2 in refracted radiance",
         "bsdfs/dielectrics/dielectric.py",
         (("where(reflects, 1.0, 1.0 / (eta * eta))", "where(reflects, 1.0, 1.0 / eta)"),),
-        LAWS,
+        f"{LAWS}[dielectric-0]",
     ),
     Mutant(
         "indices of refraction swapped",
@@ -28,13 +28,13 @@ SCATTERING = (
                 "where(wo.z < 0.0, params.eta, 1.0 / params.eta)",
             ),
         ),
-        LAWS,
+        f"{LAWS}[dielectric-0]",
     ),
     Mutant(
         "density of the other way of sampling",
         "bsdfs/matte/diffuse.py",
         (("where(above, INV_TWO_PI, 0.0)", "cosine"),),
-        LAWS,
+        f"{LAWS}[diffuse-1]",
     ),
     Mutant(
         "two-sided surface that turns only wo",

@@ -93,7 +93,8 @@ TRANSPORT = (
         "panes taken for holes, which shadow rays do not see",
         "bsdfs/dielectrics/thin_dielectric.py",
         (("lanes_u32(TRANSMISSION | DELTA)", "lanes_u32(TRANSMISSION | DELTA | 8)"),),
-        "tests/sampling/test_holes_of_materials.py",
+        "tests/sampling/test_holes_of_materials.py"
+        "::test_holes_of_mixtures_are_as_likely_as_they_are_open[pane and hole-0.7]",
     ),
     Mutant(
         "paths that a filter weighs negatively end",

@@ -122,7 +122,7 @@ TURNED = (
         "spots shine along the rows of their node's matrix",
         "lights/spot.py",
         (("axis = to_world[:3, 2] /", "axis = to_world[2, :3] /"),),
-        "tests/rendering/test_turned_worlds.py",
+        "tests/rendering/test_turned_worlds.py::test_lights_turn_with_the_world[spot-0]",
     ),
     Mutant(
         "light lost in glass given back where a coat is in the scene",
@@ -133,6 +133,7 @@ TURNED = (
                 "    if COAT not in program.bsdfs:\n        return _no_glass",
             ),
         ),
-        "tests/rendering/test_unseen_neighbours.py",
+        "tests/rendering/test_unseen_neighbours.py"
+        "::test_what_nobody_sees_changes_no_sample[principled-2]",
     ),
 )
