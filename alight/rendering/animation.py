@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import threading
 from collections import deque
 from collections.abc import Iterator
@@ -28,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from alight.core.errors import OptionError, OutputError, unknown_name
+from alight.core.errors import OptionError, unknown_name
 from alight.core.version import VERSION
 from alight.films import Film
 from alight.films.denoising import denoise
@@ -44,23 +43,20 @@ from alight.outputs.picture import Picture
 from alight.rendering import main_loop
 from alight.rendering.executors.blocks import Crew, Threads
 from alight.rendering.executors.cluster_executor import joined
+from alight.rendering.frame_files import FRAME, label_in, numbered
+from alight.rendering.frame_scenes import at_time, middle, turned
 from alight.rendering.job import Progress
 from alight.rendering.render import prepare
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedules.passes import PASS_SECONDS
 from alight.rendering.schedules.selection import time_limit_of
-from alight.scene import Node, Scene, SceneManager, content_hash, flatten
-from alight.scene.flatten import FlatScene, place_camera
-from alight.scene.transform import matrix, rotate, translate
-from alight.shapes.model import SHAPES
+from alight.scene import Scene, content_hash, flatten
+from alight.scene.flatten import place_camera
 from lanewise.machine import fingerprint
 
 #: Two frames share the threads, and none is shown before its end: passes may be longer than of a
 #: picture alone, and have less to add to the film.
 _PASSES_IN_ONE = 4
-
-#: What a frame's file says of how it was made.
-FRAME = "frame"
 
 #: Options that change no bit of a frame.
 _NO_PART = frozenset({
@@ -303,32 +299,10 @@ class Animation:
 
     def scene_of(self, number: int) -> Scene:
         """The scene of a frame."""
-        camera = self._camera()
-        if self.options.turntable:
-            turn = -360.0 * (number - self.numbers.start) / len(self.numbers)
-            about = translate(*self._pivot).matrix @ rotate("y", turn).matrix
-            about = about @ translate(*-self._pivot).matrix
-            seen = place_camera(self.scene)
-            camera = Node(transform=matrix(about @ seen.to_world), camera=seen.camera)
-            made = self.scene.replaced(camera=camera)
-        else:
-            assert camera.camera is not None
-            opens, closes = camera.camera.shutter
-            fps = self.options.fps
-            shutter = ((number + opens) / fps, (number + closes) / fps)
-            at = camera.camera.replaced(shutter=shutter)
-            if isinstance(self.scene.camera, str):
-                node = camera.replaced(camera=at)
-                made = SceneManager(self.scene).replace(self.scene.camera, node).scene
-            else:
-                made = self.scene.replaced(camera=camera.replaced(camera=at))
-        return made.made_from(self.scene)
-
-    def _camera(self) -> Node:
-        camera = self.scene.camera
-        found = SceneManager(self.scene).get(camera) if isinstance(camera, str) else camera
-        assert isinstance(found, Node)
-        return found
+        if not self.options.turntable:
+            return at_time(self.scene, number, self.options.fps)
+        turn = -360.0 * (number - self.numbers.start) / len(self.numbers)
+        return turned(self.scene, self._pivot, turn)
 
     def label_of(self, scene: Scene) -> str:
         """Everything that decides the file of a frame, in short."""
@@ -337,52 +311,3 @@ class Animation:
         said = json.dumps({name: repr(value) for name, value in sorted(kept.items())})
         parts = (VERSION, fingerprint(), content_hash(scene), str(scene.source.remarks.spp), said)
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
-
-
-def numbered(pattern: Path, number: int) -> Path:
-    """The name of a frame's file: its number in the place of the last run of ``#``."""
-    found = re.search(r"#+(?!.*#)", pattern.name)
-    assert found is not None
-    text = str(number).zfill(len(found[0]))
-    return pattern.with_name(pattern.name[: found.start()] + text + pattern.name[found.end() :])
-
-
-def label_in(path: Path) -> str | None:
-    """What the file of a frame says of how it was made; None if it is none, or broken."""
-    try:
-        if path.suffix.lower() in exr.SUFFIXES:
-            return exr.read_layers(path)[1].get(FRAME)
-        if path.suffix.lower() in png.SUFFIXES:
-            from PIL import Image
-
-            with Image.open(path) as image:
-                # Half a file is none: the pixels must be there.
-                image.load()
-                return str(image.info.get(f"alight.{FRAME}"))
-    except (OSError, ValueError, SyntaxError, OutputError):
-        return None
-    return None
-
-
-def middle(flat: FlatScene) -> np.ndarray:
-    """The middle of the box around all meshes and shapes with bounds, metres; else the origin.
-
-    Lamps stand around what is looked at: they count only where there is nothing else.
-    """
-    corners: list[np.ndarray] = []
-    for placed in [s for s in flat.shapes if s.light is None] or flat.shapes:
-        if placed.geometry >= 0:
-            points = flat.geometries[placed.geometry].vertices
-            box = np.array([points.min(axis=0), points.max(axis=0)])
-            mesh = np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(-1, 3)
-            corners.append(mesh @ placed.to_world[:3, :3].T + placed.to_world[:3, 3])
-            continue
-        for part, place in placed.shape.parts() or [(placed.shape, np.eye(4))]:
-            model = SHAPES[part.type_name()]
-            if model.bounds is not None and model.pack is not None:
-                ends = model.bounds(model.pack(part, placed.to_world @ place))
-                corners += [end.reshape(-1, 3) for end in ends]
-    if not corners:
-        return np.zeros(3)
-    every = np.concatenate(corners)
-    return 0.5 * (every.min(axis=0) + every.max(axis=0))

@@ -78,7 +78,7 @@ OBJECTS = (
     ),
     Mutant(
         "the shutter in seconds",
-        "rendering/animation.py",
+        "rendering/frame_scenes.py",
         (("shutter = ((number + opens) / fps, (number + closes) / fps)",
           "shutter = (number / fps + opens, number / fps + closes)"),),
         f"{MOVES}::test_frames_lie_between_the_frames_before_and_after",

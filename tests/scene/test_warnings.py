@@ -1,9 +1,18 @@
 """Who asks what is suspicious of a scene sends no rays through it, however large it is."""
 
+from importlib import import_module
+
+import pytest
+
 import alight
+from alight.compiled import scene as compiling
 from alight.compiled.scene import compile_scene
 from alight.compiled.warnings.scenes import warnings_of_scene
+from alight.formats import loads
 from alight.scene import flatten
+
+#: The module, whose name its package gives to a function.
+checking = import_module("alight.laws.scene.check")
 
 AWAY = {"translate": [2, 0, 0]}
 GLASS = {"type": "dielectric"}
@@ -33,3 +42,37 @@ def test_nothing_is_built_or_traced_and_all_is_told(monkeypatch):
     monkeypatch.setattr("alight.compiled.scene.with_photons", None)
     assert warnings_of_scene(scene) == with_rays.warnings != ()
     assert compile_scene(flatten(scene), structure="none").program.accel == ()
+
+
+FAR = """alight: 1
+camera: {transform: {look_at: {origin: [1.0e+6, 0, 4], target: [1.0e+6, 0, 0]}}}
+environment: {type: constant}
+nodes:
+  paper: {shape: rectangle, transform: {translate: [1.0e+6, 0, 0]},
+          bsdf: {type: diffuse, reflectance: {type: noise, scale: 2}}}
+"""
+
+
+@pytest.mark.parametrize("way", ["info", "tree", "check"])
+def test_who_compiles_a_scene_does_so_once(monkeypatch, way):
+    """Its warnings come from there, and its materials are packed once wherever it lies."""
+    calls = []
+
+    def counted(module, name):
+        make = getattr(module, name)
+
+        def made(*arguments, **named):
+            calls.append(name)
+            return make(*arguments, **named)
+
+        monkeypatch.setattr(module, name, made)
+
+    counted(compiling, "PackedMaterials")
+    counted(checking if way == "check" else compiling, "compile_scene")
+    scene = loads(FAR, "far.yaml")
+    if way == "check":
+        found = checking.check_scene(scene, only=("numbers",)).warnings
+    else:
+        found = alight.info(scene, tree=way == "tree").warnings
+    assert sorted(calls) == ["PackedMaterials", "compile_scene"]
+    assert not found
