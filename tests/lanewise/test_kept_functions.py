@@ -12,7 +12,6 @@ import pytest
 from lanewise import jit, machine, numba_adapter
 from lanewise.application import variable
 from lanewise.jit import instantiate, kernel, specialised
-from lanewise.kept_files import lost, write_kept
 from lanewise.machine import functions_folder, lanes_of_machine
 from lanewise.simd import LANES, load_lanes, sqrt, store_lanes
 from lanewise.source_digest import digests_of_text
@@ -396,11 +395,3 @@ def test_fields_of_records_are_in_the_description_of_a_type():
     kinds = [Pair(1, 2.0), turned(1, 2.0), (1, 2.0), Pair(1, 2), Pair((1,), 2.0), 1, np.float32(1)]
     found = [description(typeof(kind)) for kind in kinds]
     assert len(set(found)) == len(found)
-
-
-def test_what_cannot_be_kept_leaves_nothing_behind(tmp_path):
-    lost()
-    (tmp_path / "here").mkdir()
-    write_kept(tmp_path / "here", {}, b"code")
-    assert isinstance(lost(), OSError)
-    assert [path.name for path in tmp_path.iterdir()] == ["here"]

@@ -222,6 +222,7 @@ RANDOM_TURNS = np.array(
 
 
 def _everything() -> Maker:
+    """A file with all of it."""
     m = Maker()
     layered, bent, glass, pane, old, metal, jade = _materials(m)
     m.json["extensionsUsed"] = ["EXT_mesh_gpu_instancing", "KHR_lights_punctual"]
