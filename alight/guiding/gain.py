@@ -89,3 +89,8 @@ class Moments:
         guided = float((weight * (self.squares / self.count - square)).sum())
         alone = float((weight * (self.without / self.count - square)).sum())
         return alone / guided if guided > 0.0 else 1.0
+
+    def noise_without(self, means: NDArray[np.float64]) -> float:
+        """Variance of a sample without the guide, in relMSE(0.01), the mean over all pixels."""
+        variance = self.without / self.count - (self.sums / self.count) ** 2
+        return float((variance / (means**2 + EPSILON)).mean())

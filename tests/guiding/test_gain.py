@@ -75,12 +75,12 @@ def test_a_guide_is_worth_the_ratio_of_relative_variances():
     """Two pixels, of variances 1 and 2 with the guide, 3 and 20 without."""
     means, count = np.array([[2.0, 1.0]]), 10
     square = count * means**2
-    moments = Moments(
-        count * means, square + count * np.array([[1, 2]]), square + count * [[3, 20]], count
-    )
+    guided, alone = (square + count * np.array([variances]) for variances in ([1, 2], [3, 20]))
+    moments = Moments(count * means, guided, alone, count)
     weight = 1.0 / (means**2 + EPSILON)
     expected = (weight * [[3, 20]]).sum() / (weight * [[1, 2]]).sum()
     assert moments.fewer_samples(means) == pytest.approx(expected)
+    assert moments.noise_without(means) == pytest.approx((weight * [[3, 20]]).mean())
     nothing = np.zeros((1, 2))
     assert Moments(nothing, nothing, nothing, count).fewer_samples(nothing) == 1.0
 

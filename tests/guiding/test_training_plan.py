@@ -18,10 +18,14 @@ from alight.rendering.training.training_plan import (
     LEAST_GAIN,
     MOST_ROUNDS,
     MOST_SPENT,
+    MOST_SPENT_IN_HOPE,
     MOST_SPENT_LONG,
     MOST_SPENT_WELL,
+    NOISY,
+    PROMISING,
     ROUNDS,
     Length,
+    Signs,
     Step,
     TrainingPlan,
 )
@@ -31,13 +35,13 @@ from tests.guiding.test_gain import GLOBE, scene_with
 PIXELS = 2**14
 
 
-def rounds_of(plan, gains):
+def rounds_of(plan, gains, noise=NOISY):
     """How many rounds are run, what they cost as a part of the picture, and how it ends."""
     if not plan.begins:
         return 0, 0.0, Step.GIVE_UP
     number, step = 0, Step.GO_ON
     while step is Step.GO_ON:
-        step = plan.step(number, gains[number])
+        step = plan.step(number, Signs(gains[number], noise))
         number += 1
     return number, COST * PIXELS * (2**number - 1) / plan.length.samples, step
 
@@ -47,10 +51,11 @@ def test_a_guide_that_never_pays_costs_little():
     rng, seen = np.random.default_rng(1), set()
     for samples in np.exp(rng.uniform(np.log(1e5), np.log(1e10), 400)):
         plan = TrainingPlan(ROUNDS, True, Length(samples), PIXELS)
-        rounds, cost, step = rounds_of(plan, rng.uniform(0.5, LEAST_GAIN, ROUNDS))
-        assert step is Step.GIVE_UP
-        assert cost <= MOST_SPENT
-        assert rounds == 0 or rounds > FIRST_GATE
+        for best, most in ((PROMISING, MOST_SPENT), (LEAST_GAIN, MOST_SPENT_IN_HOPE)):
+            rounds, cost, step = rounds_of(plan, rng.uniform(0.5, best, ROUNDS))
+            assert step is Step.GIVE_UP
+            assert cost <= most
+            assert rounds == 0 or rounds > FIRST_GATE
         rounds, cost, step = rounds_of(plan, np.full(MOST_ROUNDS, LEAST_GAIN))
         most = MOST_SPENT_LONG if rounds > ROUNDS else MOST_SPENT_WELL
         assert cost <= most
@@ -69,6 +74,7 @@ def test_a_guide_that_never_pays_costs_little():
         ([1, 0.1, 0.1, 1, 1.6, 2.1, 3], ROUNDS, Step.USE),
         ([1, 9, 9, 1, 1.4, 9, 9], 5, Step.GIVE_UP),
         ([1, 1, 1, 1, 1.6, 1.9, 9], 6, Step.GIVE_UP),
+        ([1, 1, 0.1, 0.4, 9, 9, 9], 4, Step.GIVE_UP),
         ([1, 1, 1, 4, 4, 4, 2.9], ROUNDS, Step.GIVE_UP),
     ],
 )
@@ -81,6 +87,23 @@ def test_gates_rise(gains, rounds, step):
         ROUNDS,
         Step.USE,
     )
+
+
+def test_short_pictures_follow_a_guide_that_promises_early():
+    """A quarter of a picture of 640 x 360 pixels and 64 samples is for guides that gain by then.
+
+    What looks like most scenes costs it 5 % at most.
+    """
+    plan = TrainingPlan(ROUNDS, True, Length(640 * 360 * 64.0), PIXELS)
+    dull, cost, step = rounds_of(plan, [1, 1, PROMISING - 0.01, 9, 9, 9, 9])
+    assert (dull, step) == (FIRST_GATE + 1, Step.GIVE_UP) and cost <= MOST_SPENT
+    rounds, cost, step = rounds_of(plan, [1, 1, PROMISING, PROMISING, LEAST_GAIN, 9, 9])
+    assert step is Step.USE and rounds > dull and cost <= MOST_SPENT_WELL
+    # Of little noise there is not much more to be taken.
+    assert rounds_of(plan, [1, 1, PROMISING, 9, 9, 9, 9], NOISY - 0.01)[0] == dull
+    # A promise that is not kept.
+    rounds, cost, step = rounds_of(plan, [1, 1, *[LEAST_GAIN - 0.01] * 5])
+    assert step is Step.GIVE_UP and cost <= MOST_SPENT_IN_HOPE
 
 
 def test_a_limit_makes_no_training_longer():

@@ -49,7 +49,7 @@ TRAINING = (
     Mutant(
         "a guide that is used whatever it is worth",
         "rendering/training/training_plan.py",
-        (("if gain >= LEAST_GAIN:", "if True:"),),
+        (("if signs.gain >= LEAST_GAIN:", "if True:"),),
         f"{PLAN}::test_gates_rise",
     ),
     Mutant(
@@ -70,12 +70,30 @@ TRAINING = (
         f"{TREE}::test_a_new_focus_forgets_nothing",
     ),
     Mutant(
+        "short pictures that never look at a guide",
+        "rendering/training/training_plan.py",
+        (("GATES = {2: 0.0, 3: 0.5,", "GATES = {3: 0.5,"),),
+        f"{PLAN}::test_short_pictures_follow_a_guide_that_promises_early",
+    ),
+    Mutant(
+        "every guide is promising",
+        "rendering/training/training_plan.py",
+        (("if signs.promising else", "if signs.noise >= NOISY else"),),
+        f"{PLAN}::test_short_pictures_follow_a_guide_that_promises_early",
+    ),
+    Mutant(
+        "guides that promise whatever the noise",
+        "rendering/training/training_plan.py",
+        (("self.gain >= PROMISING and self.noise >= NOISY", "self.gain >= PROMISING"),),
+        f"{PLAN}::test_short_pictures_follow_a_guide_that_promises_early",
+    ),
+    Mutant(
         "one more round than the picture is worth",
         "rendering/training/training_plan.py",
         (
             (
-                "gain >= GATES[number] and self._spent(number + 1)",
-                "gain >= GATES[number] and self._spent(number)",
+                "signs.gain >= GATES[number] and self._spent(number + 1)",
+                "signs.gain >= GATES[number] and self._spent(number)",
             ),
         ),
         f"{PLAN}::test_a_guide_that_never_pays_costs_little",

@@ -32,7 +32,7 @@ from alight.rendering.tiles.tile import Scratch
 from alight.rendering.tiles.tile_kernel import RAYS, Tile
 from alight.rendering.tiles.tile_loop import render_tile_kernel
 from alight.rendering.training.light_training import record_light_paths
-from alight.rendering.training.training_plan import Step, TrainingPlan
+from alight.rendering.training.training_plan import Signs, Step, TrainingPlan
 from lanewise.jit import instantiate
 from lanewise.view import View
 
@@ -116,7 +116,7 @@ class Trainer:
         tree = Tree.new()
         frame = framed(EVERYWHERE, np.ones((1, 1), np.float32), self.size)
         self._compile(tree, tree.guide(frame))
-        rays_alone = 0
+        rays_alone, signs = 0, Signs(self.gain, 0.0)
         began = time.thread_time()
         with ThreadPoolExecutor(self.threads) as pool:
             for number in range(plan.most_rounds):
@@ -138,7 +138,8 @@ class Trainer:
                     means = _around(found.moments.sums / 2**number)
                     fewer_rays = rays_alone * 2**number / found.rays
                     self.gain = found.moments.fewer_samples(means) * fewer_rays
-                self.rounds, step = number + 1, plan.step(number, self.gain)
+                    signs = Signs(self.gain, found.moments.noise_without(means))
+                self.rounds, step = number + 1, plan.step(number, signs)
                 self.pays = step is not Step.GIVE_UP
                 if not self.pays:
                     break

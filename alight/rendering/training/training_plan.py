@@ -1,8 +1,8 @@
 """How long a guide is trained where the scene leaves the choice, and when it is given up.
 
-A guide that does not pay shall cost no more than `MOST_SPENT` of the picture, and one that pays no
-more than half of it, or a tenth if it is long. What a round costs is told by its paths, the picture
-by its samples: neither clocks nor threads decide.
+A guide that does not pay shall cost no more than `MOST_SPENT` of the picture, one that looks as if
+it will a quarter, and one that pays no more than half of it, or a tenth if it is long. What a round
+costs is told by its paths, the picture by its samples: neither clocks nor threads decide.
 """
 
 from __future__ import annotations
@@ -20,18 +20,23 @@ ROUNDS, MOST_ROUNDS = 7, 9
 #: times as long, and evenly distributed samples help unguided paths up to 1.3 times as much.
 LEAST_GAIN = 3.0
 
-#: What a guide must be worth after a round, by the round's number, or it is given up; before the
-#: first of them nothing is known yet. Gains that are less hardly reach `LEAST_GAIN` any more.
-GATES = {3: 0.5, 4: 1.5, 5: 2.0}
+#: What a guide must be worth after a round, by the number of the round, or it is given up. Gains
+#: that are less hardly reach `LEAST_GAIN` any more; after the first of these rounds some still do,
+#: whatever they seem to be worth.
+GATES = {2: 0.0, 3: 0.5, 4: 1.5, 5: 2.0}
 FIRST_GATE = min(GATES)
+
+#: A guide that is worth so much already is likely to pay, where samples without it have so much
+#: variance, in relMSE(0.01); of less noise it hardly takes more than it does so early.
+PROMISING, NOISY = 1.5, 1.0
 
 #: A path of training, with the light path beside it, takes as long as so many samples of a picture
 #: without a guide: 1.6 to 7.5 in random scenes, 10 to 15 where light paths bounce and no camera is.
 COST = 6.0
 
-#: Of the picture: what may be spent on a guide before it has shown that it pays; after that; and on
-#: rounds beyond `ROUNDS`.
-MOST_SPENT, MOST_SPENT_WELL, MOST_SPENT_LONG = 0.05, 0.5, 0.1
+#: Of the picture: what may be spent on a guide before it is promising; before it has shown that it
+#: pays; after that; and on rounds beyond `ROUNDS`.
+MOST_SPENT, MOST_SPENT_IN_HOPE, MOST_SPENT_WELL, MOST_SPENT_LONG = 0.05, 0.25, 0.5, 0.1
 
 
 class Length(NamedTuple):
@@ -51,6 +56,26 @@ class Length(NamedTuple):
 
 #: Nobody knows.
 UNKNOWN = Length()
+
+
+class Signs(NamedTuple):
+    """What a round has shown of a guide.
+
+    Attributes
+    ----------
+    gain : float
+        How many rays without it a ray with it is worth, see `Trainer.gain`.
+    noise : float
+        Variance of a sample without it, in relMSE(0.01).
+    """
+
+    gain: float
+    noise: float
+
+    @property
+    def promising(self) -> bool:
+        """Whether it is likely to pay."""
+        return self.gain >= PROMISING and self.noise >= NOISY
 
 
 class Step(Enum):
@@ -99,20 +124,21 @@ class TrainingPlan:
         """Whether what the guide is worth is asked after a round."""
         return number in GATES or number >= self.rounds - 1
 
-    def step(self, number: int, gain: float) -> Step:
-        """What follows a round, counted from 0, after which a ray is worth `gain` without a guide.
+    def step(self, number: int, signs: Signs) -> Step:
+        """What follows a round, counted from 0.
 
-        Of rounds that are not judged, `gain` does not count.
+        Of rounds that are not judged, `signs` do not count.
         """
         last = number == self.most_rounds - 1
         if not self.chooses or not self.is_judged(number):
             return Step.USE if last else Step.GO_ON
         long = number >= self.rounds - 1
-        if gain >= LEAST_GAIN:
+        if signs.gain >= LEAST_GAIN:
             most = MOST_SPENT_LONG if long else MOST_SPENT_WELL
             return Step.USE if last or self._spent(number + 1) > most else Step.GO_ON
         # One more round, to pay after all: if it still can, and little is lost if it does not.
-        goes_on = not long and gain >= GATES[number] and self._spent(number + 1) <= MOST_SPENT
+        most = MOST_SPENT_IN_HOPE if signs.promising else MOST_SPENT
+        goes_on = not long and signs.gain >= GATES[number] and self._spent(number + 1) <= most
         return Step.GO_ON if goes_on else Step.GIVE_UP
 
     def _spent(self, number: int) -> float:
