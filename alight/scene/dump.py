@@ -39,7 +39,8 @@ def dump_scene(
         Write fields at their defaults too, and leave arrays of meshes and pictures as they are.
         Otherwise they become lists.
     edited : str, optional
-        Key path of what is to be changed: descriptions that do not hold it stay as they are.
+        Key path of what is to be changed: descriptions that do not hold it, and dictionaries of
+        them, stay as they are.
 
     Returns
     -------
@@ -68,6 +69,9 @@ class _Writer:
         self.edited = edited
 
     def value(self, value: Any, path: str) -> Any:
+        # First: of a large scene nearly everything stays as it is.
+        if self.edited and isinstance(value, Spec | dict) and not is_at_or_below(self.edited, path):
+            return value
         if isinstance(value, Spec):
             holds_arrays = isinstance(value, ArrayShape)
             # Arrays that are written to files, and files that lie elsewhere.
@@ -75,8 +79,6 @@ class _Writer:
             holds_file = holds_file or getattr(value, "file", None) is not None
             if self.write_file is not None and holds_file:
                 value = self.write_file(value, path)
-            if self.edited and not is_at_or_below(self.edited, path):
-                return value
             return self.spec(value, path)
         if isinstance(value, Transform):
             return dump_transform(value)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from alight.core.errors import FilmError
+from alight.core.errors import FilmError, OptionError
 from alight.films import Film, PartialFilm, merging
 from alight.films.coverage import Coverage, SurfaceSums
 from alight.films.fixed_point import to_limbs
@@ -148,3 +148,26 @@ def test_a_tile_has_a_table_of_coverage_where_its_film_has_one(film_has, tile_ha
         return
     with pytest.raises(FilmError, match="a table of coverage if, and only if, the film has one"):
         film.add_tile(tile)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"channels": ([1, 2, 3],)}, "channels: must be names of channels"),
+        ({"channels": (1, 2, 3)}, "channels: must be names of channels"),
+        ({"aovs": {"depth": [1]}}, "aovs: must be channels by layers"),
+        ({"aovs": {"depth": "Z"}}, "aovs: must be channels by layers"),
+    ],
+)
+def test_channels_are_names(arguments, message):
+    with pytest.raises(OptionError, match=message):
+        Film(8, 8, **arguments)
+
+
+def test_formats_without_layers_ask_for_none(tmp_path, monkeypatch):
+    film = Film(8, 8)
+    film.save(tmp_path / "before.png")
+    for name in ("standard_error", "unsure"):
+        monkeypatch.setattr(Film, name, property(lambda film: pytest.fail("nobody asked")))
+    film.save(tmp_path / "after.png")
+    assert (tmp_path / "after.png").read_bytes() == (tmp_path / "before.png").read_bytes()

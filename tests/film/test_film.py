@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from alight.core.errors import FilmError, OptionError
+from alight.core.errors import FilmError
 from alight.films import Film, PartialFilm, SampleRanges, fixed_point, readout
 from alight.films.fixed_point import to_limbs
 from alight.rendering.tiles.tile import compiled_add_rows
@@ -325,29 +325,6 @@ def test_half_a_cell_is_refused():
 def test_impossible_films_are_refused(arguments, message):
     with pytest.raises(FilmError, match=message):
         Film(**{"width": 8, "height": 8, **arguments})
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"channels": ([1, 2, 3],)}, "channels: must be names of channels"),
-        ({"channels": (1, 2, 3)}, "channels: must be names of channels"),
-        ({"aovs": {"depth": [1]}}, "aovs: must be channels by layers"),
-        ({"aovs": {"depth": "Z"}}, "aovs: must be channels by layers"),
-    ],
-)
-def test_channels_are_names(arguments, message):
-    with pytest.raises(OptionError, match=message):
-        Film(8, 8, **arguments)
-
-
-def test_formats_without_layers_ask_for_none(tmp_path, monkeypatch):
-    film = film_of(samples_of(8, 8, 0, 8))
-    film.save(tmp_path / "before.png")
-    for name in ("standard_error", "unsure"):
-        monkeypatch.setattr(Film, name, property(lambda film: pytest.fail("nobody asked")))
-    film.save(tmp_path / "after.png")
-    assert (tmp_path / "after.png").read_bytes() == (tmp_path / "before.png").read_bytes()
 
 
 # ---------------------------------------------------------------------------- output

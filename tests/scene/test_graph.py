@@ -9,12 +9,13 @@ from alight.bsdfs.matte.diffuse import Diffuse
 from alight.cameras.pinhole import Pinhole
 from alight.core.errors import SceneError
 from alight.formats import load
+from alight.formats.loading import changed
 from alight.integrators.ambient_occlusion import AmbientOcclusion
 from alight.lights.area import Area
 from alight.lights.constant import Constant
 from alight.lights.directional import Directional
 from alight.lights.point import Point
-from alight.scene import Node, Scene, SceneManager, flatten, look_at, rotate, scale, translate
+from alight.scene import Node, Scene, SceneManager, dump, flatten, look_at, rotate, scale, translate
 from alight.scene.flatten import NO_GEOMETRY
 from alight.shapes.cube import Cube
 from alight.shapes.mesh import Mesh
@@ -266,3 +267,13 @@ def test_instances_have_the_material_of_where_they_stand_unless_they_have_their_
     assert found["a/b/both/bare"] == 0.2
     assert found["c/d/both/bare"] == 0.3
     assert found["plain/both/bare"] not in (0.1, 0.2, 0.3)
+
+
+def test_an_edit_looks_at_nothing_that_it_does_not_name(monkeypatch):
+    scene = load("cornell-box")
+    seen = []
+    monkeypatch.setattr(dump, "holds_image", lambda value: bool(seen.append(value)))
+    edited = changed(scene, {"bsdfs.white.reflectance": 0.5})
+    assert len(seen) == 1
+    assert seen[0] is scene.bsdfs["white"]
+    assert all(edited.nodes[name] is node for name, node in scene.nodes.items())
