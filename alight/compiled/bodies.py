@@ -45,14 +45,17 @@ def may_be_endless(flat: FlatScene, shapes: CompiledShapes) -> bool:
 
     Below a plane walks come back wherever they are, so there must be none.
     """
-    if shapes.unbounded:
-        return False
+    return not shapes.unbounded and bool(open_bodies(flat))
+
+
+def open_bodies(flat: FlatScene) -> list[int]:
+    """Numbers of the shapes with a body below that have no inside on their own."""
     inner = [scatters_inside(bsdf) for bsdf in flat.bsdfs]
-    return any(inner[placed.bsdf] and not is_closed(flat, placed) for placed in flat.shapes)
+    bodies = ((n, placed) for n, placed in enumerate(flat.shapes) if inner[placed.bsdf])
+    return [number for number, placed in bodies if not _is_closed(flat, placed)]
 
 
-def is_closed(flat: FlatScene, placed: PlacedShape) -> bool:
-    """Whether a shape alone has an inside."""
+def _is_closed(flat: FlatScene, placed: PlacedShape) -> bool:
     if placed.geometry == NO_GEOMETRY:
         return placed.shape.closed
     mesh = flat.geometries[placed.geometry]

@@ -52,7 +52,7 @@ BODIES = (
     Mutant(
         "open shapes that close themselves",
         "compiled/warnings/edges.py",
-        (("others, near = owner != number,", "others, near = owner >= 0,"),),
+        (("others = (owner != number)", "others = (owner >= 0)"),),
         f"{TOLD}[cylinder-transform0-others0-True]",
     ),
     Mutant(

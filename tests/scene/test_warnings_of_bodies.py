@@ -6,6 +6,7 @@ import pytest
 import alight
 from alight.compiled.boxes import box_of
 from alight.compiled.scene import compile_scene
+from alight.compiled.warnings import edges
 from alight.scene.flatten import flatten
 
 CUBE = {
@@ -97,6 +98,22 @@ def test_many_bodies_without_an_end_are_told_in_one_line():
     others = {f"leaf{n}": {**leaf, "transform": {"translate": [9 * n, 0, 0]}} for n in (1, 2)}
     (found,) = warnings_of("disk", others=others)
     assert found.startswith("body (and 2 more): ")
+
+
+def test_of_many_open_shapes_some_are_asked(monkeypatch):
+    """Each is held against all others, so a field of leaves took the square of their number."""
+    monkeypatch.setattr(edges, "MOST_SHAPES", 2)
+    leaf = {"shape": "disk", "bsdf": {"type": "subsurface"}}
+    others = {f"leaf{n}": {**leaf, "transform": {"translate": [9 * n, 0, 0]}} for n in range(1, 5)}
+    (found,) = warnings_of("disk", others=others)
+    assert found.startswith("body (and 1 more): ")
+
+
+def test_seams_of_a_closed_mesh_are_no_openings():
+    """Exporters split vertices where normals or texture coordinates jump."""
+    split = [CUBE["vertices"][corner] for face in CUBE["faces"] for corner in face]
+    faces = np.arange(len(split)).reshape(-1, 3).tolist()
+    assert warnings_of({**CUBE, "vertices": split, "faces": faces}) == ()
 
 
 @pytest.mark.parametrize(
