@@ -258,11 +258,12 @@ def _through_media(pilot: Pilot, light: _Light, hit: Hit) -> tuple[_Light, Hit, 
         return light.some(met), picked(hit, met), _nobody(light)
     way = Way(light.o, light.d, hit.t, light.medium, light.times)
     flight = flown(pilot, way._replace(length=hit.t))
-    clear = ~light.turned & (light.medium != 0)
     # Light sampling knows what is left on the way from the lamp; further ways are left to chance.
     left = transmittance(pilot, way._replace(length=flight.t))
-    seen = np.where(clear[:, None], left, flight.weight)
-    share = np.where(clear, _quotient(light.radiance, flight.weight, left), 1.0)
+    # On a grid it knows that by ratio tracking, which may leave nothing of light that has passed.
+    known = ~light.turned & (light.medium != 0) & (dots(light.radiance, left) > 0.0)
+    seen = np.where(known[:, None], left, flight.weight)
+    share = np.where(known, _quotient(light.radiance, flight.weight, left), 1.0)
     radiance = light.radiance * seen * flight.albedo
     on = light._replace(radiance=radiance, share=light.share * share)
     passed = ~flight.scattered & np.isfinite(hit.t)

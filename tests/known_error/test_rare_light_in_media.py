@@ -50,13 +50,24 @@ def test_fog_takes_its_part_of_light_and_of_the_paths_that_meet_it():
     assert (table[:, 2] ** 2 / table[:, 6]).sum() / POINTS == pytest.approx(square, rel=0.1)
 
 
-def test_smoke_around_a_lamp_keeps_its_power():
+#: The same smoke, its distances found by delta tracking, its transmittance by ratio tracking.
+GRID = {
+    "type": "grid",
+    "values": [[[0.5, 0.5], [0.5, 0.5]], [[0.5, 0.5], [0.5, 0.5]]],
+    "low": [-1, -1, 0],
+    "high": [1, 1, 2],
+    "scale": 2.0,
+}
+
+
+@pytest.mark.parametrize("kind", [{"type": "homogeneous"}, GRID], ids=["homogeneous", "grid"])
+def test_smoke_around_a_lamp_keeps_its_power(kind):
     """A ball of a medium that loses red light nowhere, seen through like air."""
     ball = {
         "shape": {"type": "sphere", "radius": BALL},
         "bsdf": {"type": "null"},
         "interior": {
-            "type": "homogeneous",
+            **kind,
             "sigma_t": DEPTHS / BALL,
             "albedo": [1.0, 0.5, 0.5],
         },

@@ -94,6 +94,12 @@ BEHIND_GLASS = (
         f"{MEDIA}::test_fog_takes_its_part_of_light_and_of_the_paths_that_meet_it",
     ),
     Mutant(
+        "light that is lost where ratio tracking leaves nothing of it",
+        "rendering/light_off_surfaces.py",
+        ((" & (dots(light.radiance, left) > 0.0)", ""),),
+        f"{MEDIA}::test_smoke_around_a_lamp_keeps_its_power[grid]",
+    ),
+    Mutant(
         "fog that every path comes through",
         "rendering/pilot_rays.py",
         (("on.reached * left.mean(axis=1)", "on.reached"),),
