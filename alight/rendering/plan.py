@@ -64,7 +64,7 @@ _RULE_MARGIN = 1.2
 #: A part of the noise from which on rare light counts as one.
 _LITTLE = 0.1
 
-#: Why no end can be told, and what helps.
+#: Why no upper limit is known, and what helps.
 _FEW = {
     "doubt": "few bright samples carry the pilot's noise, so its error has no useful bound",
     "remedy": "an integrator that finds their light more often (bidirectional, caustics: manifold,"
@@ -165,8 +165,8 @@ class Plan:
     ----------
     spp, seconds : Estimate
         Samples per pixel, and processor seconds of rendering (divide by the number of busy
-        threads for the time on the clock), each with a 95 % interval. Where no end can be told,
-        the value is NaN and the upper end infinite.
+        threads for the time on the clock), each with a 95 % interval. Where no upper limit is
+        known, the value is NaN and the upper end infinite.
     slope : Estimate
         Of log(relMSE) against log(samples), negative.
     pilot_error : float
@@ -175,7 +175,7 @@ class Plan:
     threads : int, default 1
         That the picture will be rendered with.
     doubt : str, default ""
-        Why no end can be told, if none can.
+        Why no upper limit is known, if so.
     remedy : str, default ""
         What helps then.
     """
@@ -209,7 +209,7 @@ class Plan:
         if self.doubt:
             return [
                 ("pilot", f"{self.pilot_spp} spp, relRMSE {self.pilot_error:.2%}"),
-                ("samples", f"at least {spp.low:.0f} per pixel, and no end can be told"),
+                ("samples", f"at least {spp.low:.0f} per pixel; no upper limit is known"),
                 ("processor time", f"at least {seconds.low:.3g} s"),
                 ("why", self.doubt),
                 ("what helps", self.remedy),

@@ -151,7 +151,7 @@ def test_a_plan_without_an_end_says_so_and_names_no_more_than_what_is_known(
     assert found["spp"] == {"value": None, "low": plan.spp.low, "high": None}
     assert ("chance" in found["doubt"]) == by_chance
     assert str(plan).splitlines()[1:] == [
-        f"samples: at least {plan.spp.low:.0f} per pixel, and no end can be told",
+        f"samples: at least {plan.spp.low:.0f} per pixel; no upper limit is known",
         f"processor time: at least {plan.seconds.low:.3g} s",
         f"why: {plan.doubt}",
         f"what helps: {plan.remedy}",

@@ -330,7 +330,7 @@ def line_of(
         more = (judgement.factor - 1.0) * (spp if seconds is None else seconds)
         unit = "spp" if seconds is None else "s"
         if math.isinf(judgement.factor):
-            return f"not met: {reached}, asked {asked}; how many samples it takes cannot be told"
+            return f"not met: {reached}, asked {asked}; how many samples it takes is unknown"
         if judgement.factor > _FAR:
             return f"not met: {reached}, asked {asked}; far more samples are needed"
         return f"not met: {reached}, asked {asked}; about {_told(more)} {unit} more are needed"
