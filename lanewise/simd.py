@@ -29,7 +29,7 @@ WIDEST = 16
 #: compiled code uses the processor's width.
 LANES = LaneCount(WIDEST)
 
-#: Lanes in the twin from which on they are chosen by bits: below, NumPy's choice takes no longer.
+#: Lanes from which on the twin selects bits: for fewer, `numpy.where` is as fast.
 MANY = 1 << 14
 
 
@@ -60,7 +60,7 @@ def where(mask, a, b) -> Any:
 
 
 def _where_many(mask, a, b) -> Any:
-    """`numpy.where`, of 32 bits by exclusive or: the processor has no branch to guess wrongly."""
+    """`numpy.where`, of 32 bits by exclusive or: no branch to mispredict."""
     x, y = (_as_kind_of(p, q) for p, q in ((a, b), (b, a)))
     shapes = {mask.shape, ()}
     if x is None or y is None or not {x.shape, y.shape} <= shapes or mask.dtype != np.bool_:
