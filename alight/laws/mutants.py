@@ -191,13 +191,17 @@ def plant(mutant: Mutant, folder: Path) -> None:
 
 
 def _share_functions(cache: Path) -> None:
-    """What the bug does not touch need not be compiled again: functions are kept by their text."""
+    """What the bug does not touch need not be compiled again: functions are kept by their text.
+
+    Files are linked one by one, so what the bug adds goes with its folder. They are never written
+    to, but replaced.
+    """
     functions = functions_folder()
-    # Without links, as on some file systems, all is compiled.
+    (cache / functions.name).mkdir(parents=True)
+    # Without links, as between some file systems, all is compiled.
     with suppress(OSError):
-        functions.mkdir(parents=True, exist_ok=True)
-        cache.mkdir()
-        (cache / functions.name).symlink_to(functions.absolute(), target_is_directory=True)
+        for kept in functions.iterdir():
+            os.link(kept, cache / functions.name / kept.name)
 
 
 def run_with(mutant: Mutant, arguments: Sequence[str]) -> int:
