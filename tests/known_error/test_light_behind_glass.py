@@ -264,8 +264,8 @@ def test_the_table_goes_with_the_film(tmp_path):
     film = Film(32, 24)
     film.rare_light = found_in(room())
     film.save(tmp_path / "a.alight")
-    assert np.array_equal(Film.load(tmp_path / "a.alight").behind_glass, film.rare_light)
-    assert film.empty_like().behind_glass is film.rare_light
+    assert np.array_equal(Film.load(tmp_path / "a.alight").rare_light, film.rare_light)
+    assert film.empty_like().rare_light is film.rare_light
 
 
 def job(scene, schedule):
