@@ -27,8 +27,9 @@ GATES = {2: 0.0, 3: 0.5, 4: 1.5, 5: 2.0}
 FIRST_GATE = min(GATES)
 
 #: A guide that is worth so much already is likely to pay, where samples without it have so much
-#: variance, in relMSE(0.01); of less noise it hardly takes more than it does so early.
-PROMISING, NOISY = 1.5, 1.0
+#: variance, in relMSE(0.01); of less noise it hardly takes more than it does so early. The limit is
+#: low, since few samples seldom meet the light that makes most noise.
+PROMISING, NOISY = 1.5, 0.1
 
 #: A path of training, with the light path beside it, takes as long as so many samples of a picture
 #: without a guide: 1.6 to 7.5 in random scenes, 10 to 15 where light paths bounce and no camera is.
