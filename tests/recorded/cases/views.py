@@ -304,6 +304,8 @@ def _settled(session: Any) -> Any:
             and not live.wish.moves
             and live.layers
             and live.layers.number == live.wish.number
+            # Just asked for more, it has not begun.
+            and session.film.spp >= (live.wish.spp or 0)
         ):
             break
         time.sleep(0.005)
