@@ -121,10 +121,11 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         page.focus("#tree")
         page.keyboard.press("ArrowDown")
         assert page.get_attribute("#tree [aria-selected=true]", "data-path") != "bsdfs.white"
-        for _ in range(4):
-            if page.is_enabled("#undo"):
-                page.click("#undo")
-            page.wait_for_timeout(100)
+        while page.is_enabled("#undo"):
+            # The button tells of the last edit only once the page has heard of it.
+            before = view_of(page)
+            page.click("#undo")
+            until(page, f"Number(document.body.dataset.view) > {before}")
         page.wait_for_selector(SETTLED)
         until(page, f"document.getElementById('shown').toDataURL() === '{picture}'")
 
