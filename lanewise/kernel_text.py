@@ -1,7 +1,7 @@
-"""Mistakes in kernel text, told where they are and with the remedy.
+"""Mistakes in kernel text, reported with their place and the remedy.
 
 `check_text` finds by its syntax what no kernel can hold: Numba would accept some of it and crash,
-since kernels run without Python's memory. `explained` turns what Numba says of a kernel that it
+since kernels run without Python's memory. `explained` turns Numba's message about a kernel that it
 cannot type into the place, the line, and what to write there instead.
 """
 

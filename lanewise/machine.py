@@ -17,7 +17,7 @@ NATIVE, PORTABLE = TARGETS = "native", "portable"
 
 #: LLVM's name of the latter, the third level of the x86-64 ABI, and what it has beyond the first.
 #: None of its instructions gives other bits on a processor of another vendor but those that
-#: estimate reciprocals and their square roots, which LLVM is told not to use.
+#: estimate reciprocals and their square roots, which LLVM is kept from using.
 PORTABLE_CPU = "x86-64-v3"
 _PORTABLE_FEATURES = (
     "cx16", "sahf", "popcnt", "sse3", "ssse3", "sse4.1", "sse4.2", "avx", "avx2", "bmi", "bmi2",

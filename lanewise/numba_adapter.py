@@ -211,8 +211,8 @@ class LowerToLibrary(NativeLowering):
         state.flags.no_compile = True  # to stop before the engine is asked for an address
         digest = getattr(state.func_id.func, DIGEST, None)
         if digest is not None:
-            # The name of a function in LLVM IR ends with this, a count if nothing else is said:
-            # functions of several processes meet in one module, and must not share a name.
+            # The name of a function in LLVM IR ends with this, a count by default: functions of
+            # several processes meet in one module, and must not share a name.
             state.func_id.unique_id = digest
         state.library = OptimisedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.calls = tuple(state.calls)

@@ -28,10 +28,10 @@ OPERATORS: dict[tuple, tuple[Any, Any]] = {}
 
 
 class KernelLower(Lower):
-    """Lowering that finds out once what an operator is, not at each of its uses.
+    """Lowering that resolves an operator once, not at each of its uses.
 
-    Numba asks everything that is known of +, ours last, and writes a message for each that does
-    not fit; and before that, whether the operands are constants, which kernels are never told.
+    Numba tries every known overload of +, ours last, and writes a message for each that does not
+    fit; and before that, whether the operands are constants, which kernels never learn.
     """
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
@@ -73,7 +73,7 @@ def shortcuts() -> Iterator[None]:
 
 @contextmanager
 def untold_of_locks() -> Iterator[None]:
-    """Call LLVM without Numba's timers being told of each call.
+    """Call LLVM without notifying Numba's timers of each call.
 
     There are two for each kernel on the way to the one that is being compiled: of the time for a
     Cornell box, a twentieth.

@@ -1,4 +1,4 @@
-"""What type inference has found out about calls, so that it is not asked again."""
+"""What type inference has found out about calls, so that it need not again."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class RememberingContext:
         return getattr(self._context, name)
 
     def resolve_function_type(self, function: Any, arguments: Any, keywords: Any) -> Any:
-        """The signature of a call; not of kernels and methods, which are asked once each."""
+        """The signature of a call; not of kernels and methods, which are resolved once each."""
         if keywords or not isinstance(function, types.Function):
             answer = self._context.resolve_function_type(function, arguments, keywords)
             if isinstance(function, types.Dispatcher):

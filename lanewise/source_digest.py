@@ -171,7 +171,7 @@ def digests_of_text(
     Returns
     -------
     (str, str) or None
-        None if it cannot be told what the text or what it calls is made from.
+        None if it is unknown what the text or what it calls is made from.
     """
     reader = _TextReader(called)
     try:

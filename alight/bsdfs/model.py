@@ -66,7 +66,7 @@ def not_lossless(spec: Any) -> bool:
 
 
 def left_open(spec: Any) -> bool | None:
-    """Nothing is said."""
+    """The model does not say."""
     return None
 
 

@@ -93,7 +93,7 @@ class Leaf(NamedTuple):
     bsdf : Bsdf
         Not `Nested`.
     two_sided : bool
-        Whether something above it says so.
+        Whether something above it makes it so.
     factors : tuple of (Nested, bool)
         Its share is their product: the weight of each, or where True, 1 - weight.
     normals : Nested, optional

@@ -37,7 +37,7 @@ def run_and_finish(
     time_limit : float or None
         For the progress bar.
     warnings : sequence of str
-        To be said before those of the compiled scene.
+        Printed before those of the compiled scene.
 
     Raises
     ------

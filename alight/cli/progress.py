@@ -22,8 +22,8 @@ _ERROR_SHARE = 0.02
 #: Characters of the bar itself, however narrow the terminal.
 _SHORTEST_BAR = 10
 
-#: What is said while machine code is made, and the seconds after which a file or a pipe, which
-#: shows no bar, is told too: reading code that is kept takes less.
+#: The message while machine code is compiled, and the seconds after which a file or a pipe, which
+#: shows no bar, gets it too: loading cached code takes less.
 COMPILING, _LONG = "compiling kernels (first run only)", 2.0
 
 
@@ -84,7 +84,7 @@ class ProgressBar(Bar):
     quiet : bool
         Show nothing.
     time_limit : float, seconds, optional
-        Full length of the bar where no number of samples is asked for.
+        Full length of the bar where no number of samples is given.
     warns : callable, optional
         Given the warnings of the scene before its first sample.
 
@@ -95,7 +95,7 @@ class ProgressBar(Bar):
     phase : str
         Of the last report; "load" before the first.
     title : str
-        Goes before what is said of the render.
+        Precedes the render's progress.
     """
 
     def __init__(

@@ -49,7 +49,7 @@ def warn(message: str) -> None:
 
 
 class WarnOnce:
-    """Says each warning on stderr, when it is first heard of.
+    """Prints each warning to stderr once, when it first comes up.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class WarnOnce:
         self.told: list[str] = []
 
     def __call__(self, messages: Iterable[str]) -> None:
-        """Say those that are new."""
+        """Print those that are new."""
         for message in messages:
             if message not in self.told:
                 self.told.append(message)

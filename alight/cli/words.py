@@ -1,4 +1,4 @@
-"""The words of a command, made of a table of options (`alight.options`): nothing is said twice."""
+"""The options of a command, made from their one table (`alight.options`)."""
 
 from __future__ import annotations
 

@@ -181,7 +181,7 @@ def connected(
 
 
 def _why(where: str, error: Exception) -> str:
-    """What is known of a scheduler that does not answer; Dask tells of its patience alone."""
+    """Why a scheduler may not answer; Dask itself reports only how long it has waited."""
     scheme, _, rest = where.partition("://")
     host, _, port = rest.rpartition(":")
     try:

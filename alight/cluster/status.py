@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from alight.cluster.worker import machine_here, state_here
 from lanewise.machine import NATIVE, differing
 
-#: Seconds for which one worker's answer is waited for, and how many are asked at a time.
+#: Seconds to wait for one worker's answer, and how many workers are queried at a time.
 _WAIT, _AT_A_TIME = 5.0, 16
 
 
@@ -57,9 +57,9 @@ class Losses(NamedTuple):
     Attributes
     ----------
     workers : int
-        That went without having been told to.
+        That left unasked.
     tasks : int
-        That they were to run, and others ran then.
+        That were theirs, and that others then ran.
     """
 
     workers: int

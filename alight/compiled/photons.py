@@ -35,7 +35,7 @@ PHOTONS, MOST_SURFACES = 1 << 15, 12
 #: end, which may lie far away.
 CELLS, OUTLIERS = 32, 0.05
 
-#: Wavelength at which glass that disperses light is asked, nanometres.
+#: Wavelength at which dispersive glass is evaluated, nanometres.
 _GREEN = np.float32(550.0)
 
 #: Photons on their way: origins and directions, (n, 3) float32; which light, (n,) uint32; when,

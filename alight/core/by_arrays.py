@@ -1,4 +1,4 @@
-"""What is worked out from arrays once, however often it is asked for."""
+"""Results that are worked out from arrays once, however often they are needed."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class AlightError(Exception):
 
 
 class FilmError(AlightError, ValueError):
-    """Films that must not be merged, or a film asked for something that it does not hold."""
+    """Films that must not be merged, or a request for something that a film does not hold."""
 
 
 class KernelError(AlightError, TypeError):

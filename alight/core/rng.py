@@ -1,7 +1,7 @@
 r"""Counter-based random numbers: a hash of (pixel, sample, dimension), without any state.
 
 Two keys of 32 bits identify a stream; a number is a hash of the keys and a counter. A counter in
-place of a state means that any number can be asked for in any order, by any lane or machine.
+place of a state means that any number can be drawn in any order, by any lane or machine.
 
 The hash is a multiply-xorshift chain: xorshifts carry high bits down and multiplications by odd
 constants carry low bits up, and each step is a bijection, so that a stream's 2^32 first words are

@@ -2,7 +2,7 @@
 
 Sample i belongs to replicate i mod R. ``sums[y, x, replicate, channel]`` are whole numbers
 (`fixed_point`), so tiles, passes, resumed parts and films of other machines are added in any order
-with the same bits. What is asked of them is worked out elsewhere: `readout` (means), `statistics`
+with the same bits. What follows from them is worked out elsewhere: `readout` (means), `statistics`
 (standard errors), `metrics.own_error` and `metrics.pixel_bars` (error bars), `merging`, `storage`.
 """
 

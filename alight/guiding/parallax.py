@@ -1,8 +1,8 @@
 r"""Directions of a leaf, as its middle would see them.
 
-A lamp that is near stands in another direction for each point of a leaf. So a leaf keeps directions
-not from the point p but from a middle c, to the sphere of radius r around it on which most of the
-light lies: the ray from p along w meets the sphere at x, and x is seen from c along
+A nearby lamp lies in another direction from each point of a leaf. So a leaf keeps directions not
+from the point p but from a middle c, to the sphere of radius r around it on which most of the light
+lies: the ray from p along w meets the sphere at x, and x is seen from c along
 
 .. math:: w' = \frac{x - c}{r}, \qquad
     \frac{d\omega'}{d\omega} = \frac{|x - p|^2}{r^2\, w \cdot w'} .

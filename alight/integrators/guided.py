@@ -5,7 +5,7 @@ With the probability :math:`\alpha` of the leaf a direction is drawn from the gu
 
 .. math:: p = \alpha\, p_g + (1 - \alpha)\, p_b ,
 
-which also stands for the BSDF in the weights of multiple importance sampling. Directions of delta
+which also replaces the BSDF in the weights of multiple importance sampling. Directions of delta
 lobes remain the BSDF's: they are drawn with the probability :math:`1 - \alpha`, or always where a
 material has nothing else.
 

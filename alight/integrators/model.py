@@ -53,7 +53,7 @@ class IntegratorModel(Record):
         Of the same: ``extend(scene, settings, path) -> (path, splat)``, one more vertex of every
         path. See `alight.integrators.light`.
     both_ends : (program, tell=None) -> BothEnds
-        Of integrators that join paths from both ends; `tell` is told what each technique adds, see
+        Of integrators that join paths from both ends; `tell` is given what each technique adds, see
         `alight.integrators.strategies`.
     """
 

@@ -34,7 +34,7 @@ from lanewise.simd import (
 #: Name of this pass instead of an integrator's.
 PASS = "strategies"
 
-#: Edges of the longest paths that are told apart.
+#: Longest paths that are distinguished, in edges.
 DEEPEST = 8
 
 #: Rows of the log: the techniques s = 0 to k of all lengths k, then all longer paths.

@@ -24,9 +24,9 @@ class SceneInfo:
     Attributes
     ----------
     facts : list of (str, str)
-        Counts and settings by name; the cost of the tree of boxes, if it was asked for.
+        Counts and settings by name; the cost of the tree of boxes, if requested.
     tree : list of str
-        The scene graph, a line for each node, if it was asked for.
+        The scene graph, a line for each node, if requested.
     dropped : list of str
         What of a foreign file plays no part in the picture.
     approximated : list of str

@@ -1,9 +1,9 @@
 r"""Integration itself: integrals of 1 to 6 dimensions with known answers, and no scene.
 
 Two integrands on the unit cube: a smooth one, a product of sines with the integral 1, and the
-indicator of a ball, an edge that no rule can be aligned with. Samplers are asked for pairs of
-dimensions as integrators ask them; `jittered` is a grid of N = k^d cells with one point in each;
-midpoint, Simpson and Gauss-Legendre are product rules of N = k^d nodes.
+indicator of a ball, an edge that no rule can be aligned with. Samplers give pairs of dimensions as
+integrators ask them; `jittered` is a grid of N = k^d cells with one point in each; midpoint,
+Simpson and Gauss-Legendre are product rules of N = k^d nodes.
 
 Root mean square errors fall as N^-1/2 for independent points, whatever the dimension. Jittered
 points gain a factor N^(-1/d) where the integrand is smooth and N^(-1/(2 d)) where it has an edge;

@@ -16,7 +16,7 @@ from alight.rendering.summary import unsure_lines
 
 Facts = list[tuple[str, str]]
 
-#: What of a picture's origin is told, where it is known.
+#: What is shown of a picture's origin, where it is known.
 _ORIGIN = ("error", "version", "seed", "replicates", "scene_hash", "fingerprint", "biases")
 
 

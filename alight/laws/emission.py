@@ -225,7 +225,7 @@ def rays_leave_shapes_as_sampled(spec: Shape) -> None:
 
 
 def same_by_both(rays: Rays, sampled: CompiledScene, receivers: int) -> None:
-    """Compare what some receivers get that stand in the way of some rays.
+    """Compare what receivers in the way of some rays get.
 
     Parameters
     ----------

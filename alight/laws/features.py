@@ -43,7 +43,7 @@ class Feature(NamedTuple):
     nodes : str
         What is added to `SCENE`.
     options : tuple of (str, object)
-        What integrators are told that have such options.
+        What integrators that have such options get.
     by_chance : bool
         Whether integrators that lead no path to a light find enough of it to be judged.
     """

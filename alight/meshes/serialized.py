@@ -109,7 +109,7 @@ def _check_size(vertices: int, triangles: int, flags: int, compressed: int) -> N
 
 
 class _Stream:
-    """Unpacks as much as is asked for, never more."""
+    """Unpacks as much as is requested, never more."""
 
     def __init__(self, data: bytes) -> None:
         self.data = data

@@ -15,7 +15,7 @@ _NORMAL = NormalDist()
 #: Replicates that an interval takes: two halves, each with a spread of its own.
 LEAST_FOR_INTERVAL = 4
 
-#: An error beyond this is told as "more than".
+#: An error beyond this is reported as "more than".
 LARGEST_TOLD = 10.0
 
 

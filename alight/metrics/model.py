@@ -66,9 +66,9 @@ class MetricModel(Record):
     error_map : (spec, Pair) -> ndarray, shape (h, w)
         A map whose mean is the metric, if it is worth looking at.
     label : (spec, Pair) -> str
-        Where `LABEL` alone does not tell everything.
+        Where `LABEL` alone does not say everything.
     shown : float -> float
-        What tables tell of the value, where readers know it in another form.
+        What tables show in place of the value, where readers know another form of it.
     missing : () -> str
         What it needs and is not installed; empty if nothing is.
     SLOW : bool
@@ -107,6 +107,6 @@ def label_of(name: str, pair: Pair) -> str:
 
 
 def shown_of(name: str, value: float) -> float:
-    """What tables tell of a value."""
+    """The form of a value that tables show."""
     model = METRICS[name]
     return value if model.shown is None else model.shown(value)

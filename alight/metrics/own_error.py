@@ -346,7 +346,7 @@ def _inverse_square(
 
 
 def _quietly(weights: np.ndarray, classes: np.ndarray, b: _Half, epsilon: np.float32) -> np.ndarray:
-    """Weights for products of both halves' errors, where `b` has told the brightness itself.
+    """Weights for products of both halves' errors, where `b` gave the brightness itself.
 
     In these products B's error counts too, and a bright sample that makes it large makes B's
     brightness large, and so excuses itself. Without the error that brightness excuses nothing, but

@@ -17,7 +17,7 @@ ONE_TURN = 120
 
 @table
 class AnimationOptions(RenderOptions):
-    """Everything that `alight.animate` can be told."""
+    """The options of `alight.animate`."""
 
     frames: tuple[int, int] | str | None = option(
         Frames(), "First frame, and the one after the last, such as 0:120.",

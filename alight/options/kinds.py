@@ -50,7 +50,7 @@ class Kind:
         return ""
 
 
-#: Names, or what gives them: those of a registry are asked for when a name is checked.
+#: Names, or what gives them: those of a registry are looked up when a name is checked.
 Known = Sequence[str] | Callable[[], Iterable[str]]
 
 

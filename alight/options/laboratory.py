@@ -32,7 +32,7 @@ def _told() -> Any:
 
 @table
 class InfoOptions(SceneOptions):
-    """Everything that `alight.info` can be told."""
+    """The options of `alight.info`."""
 
     tree: bool = option(Switch(), "Show the scene graph and the cost of the BVH.", default=False)
     camera: str | int | None = scene.camera()
@@ -40,7 +40,7 @@ class InfoOptions(SceneOptions):
 
 @table
 class PlanOptions(PromiseOptions, ThreadOptions, SizedOptions):
-    """Everything that `alight.plan` can be told."""
+    """The options of `alight.plan`."""
 
     error: float | str = option(
         Share(0.0, 10.0, least_is_open=True), "Error that the picture is to reach.",
@@ -50,7 +50,7 @@ class PlanOptions(PromiseOptions, ThreadOptions, SizedOptions):
 
 @table
 class CheckOptions(SceneOptions):
-    """Everything that `alight.check` can be told."""
+    """The options of `alight.check`."""
 
     output: str | PathLike[str] | None = option(
         File("FOLDER"), "Folder for pictures of failures.", flag="--output -o",
@@ -68,7 +68,7 @@ class CheckOptions(SceneOptions):
 
 @table
 class WhyOptions(SceneOptions):
-    """Everything that `alight.why` can be told."""
+    """The options of `alight.why`."""
 
     output: str | PathLike[str] | None = option(
         File(), "PNG of the maps.", flag="--output -o",
@@ -95,7 +95,7 @@ class WhyOptions(SceneOptions):
 
 @table
 class CompareOptions(Options):
-    """Everything that `alight.compare` can be told."""
+    """The options of `alight.compare`."""
 
     reference: Film | Any | str | PathLike[str] | None = option(
         Text("FILE"), "Compare both pictures with this one.", default=None
@@ -123,7 +123,7 @@ class CompareOptions(Options):
 
 @table
 class StudyOptions(ClusterOptions, Options):
-    """Everything that `alight.study` can be told."""
+    """The options of `alight.study`."""
 
     plugins: Sequence[str | PathLike[str]] | str | PathLike[str] = scene.scripts(
         "models for the scenes, or metrics"
@@ -149,7 +149,7 @@ class StudyOptions(ClusterOptions, Options):
 
 @table
 class TraceOptions(SizedOptions):
-    """Everything that `alight.trace` can be told."""
+    """The options of `alight.trace`."""
 
     sample: int = option(Whole(0, MOST_SAMPLES), "Which sample of the pixel.", default=0)
     seed: int = _seed()
@@ -170,7 +170,7 @@ class TraceOptions(SizedOptions):
 
 @table
 class GuideOptions(SceneOptions):
-    """Everything that `alight.guide` can be told."""
+    """The options of `alight.guide`."""
 
     output: str | PathLike[str] | None = option(
         File(), "PNG of the disks.", flag="--output -o",
@@ -187,7 +187,7 @@ class GuideOptions(SceneOptions):
 
 @table
 class ReferenceOptions(ThreadOptions, SizedOptions):
-    """Everything that ``alight reference`` can be told."""
+    """The options of ``alight reference``."""
 
     error: float | str = option(
         Share(0.0, 1.0, least_is_open=True, most_is_open=True), "Requested relRMSE, such as 0.5%.",
@@ -197,6 +197,6 @@ class ReferenceOptions(ThreadOptions, SizedOptions):
 
 @table
 class ConvertOptions(SceneOptions):
-    """Everything that ``alight convert`` can be told."""
+    """The options of ``alight convert``."""
 
     camera: str | int | None = scene.camera()

@@ -172,7 +172,7 @@ class RenderOptions(
     DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, TargetOptions, ThreadOptions,
     SizedOptions,
 ):  # fmt: skip
-    """Everything that `alight.render` can be told.
+    """The options of `alight.render`.
 
     Every number is checked when the object is made, and contradictions are refused.
     """

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @table
 class ResumeOptions(PromiseOptions, ClusterOptions):
-    """Everything that `alight.resume` can be told."""
+    """The options of `alight.resume`."""
 
     output: Sequence[str | PathLike[str]] | str | PathLike[str] = option(
         Files(), "File to write; repeatable.", default=(), flag="--output -o",

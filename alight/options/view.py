@@ -23,7 +23,7 @@ from alight.options.table import PICTURE, SAMPLING, option, table
 
 @table
 class ViewOptions(PromiseOptions, LimitOptions, ThreadOptions, SizedOptions):
-    """Everything that ``alight view`` can be told."""
+    """The options of ``alight view``."""
 
     host: str = option(
         Text("HOST"),

@@ -26,7 +26,7 @@ def write(path: Path, frames: Iterable[np.ndarray], fps: int, length: int) -> No
     fps : int
         At most 65535.
     length : int
-        How many frames there are; the file says so before the first one.
+        Number of frames; the file holds it before the first one.
     """
     numbers = count()
     with path.open("wb") as file:

@@ -154,7 +154,7 @@ def read_size(path: str | Path) -> tuple[int, int, int]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep what the library writes about broken files from the user, who is told once.
+    """Hide what the library prints about broken files: the user gets one message.
 
     Its C++ writes to stderr, its Python layer prints to stdout, where results may be read by
     programs.

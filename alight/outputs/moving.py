@@ -23,8 +23,8 @@ SUFFIXES = (".gif", ".apng", ".mp4")
 #: Frames that wait for an encoder.
 _WAITING = 2
 
-#: sRGB has the primaries of BT.709, so its matrix makes luma and chroma of pictures. Players that
-#: are told nothing guess by the size.
+#: sRGB has the primaries of BT.709, so its matrix makes luma and chroma of pictures. Without these
+#: tags players guess by the size.
 _COLORS = (
     "-vf", "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709",
     "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv",

@@ -51,12 +51,12 @@ class Primaries(NamedTuple):
 
 
 def foreign_primaries(path: Path) -> Primaries | None:
-    """The primaries of an OpenEXR file; None for sRGB with its own white, and if none are said."""
+    """The primaries of an OpenEXR file; None for sRGB with its own white, and without any."""
     try:
         said = exr.read_header(path).get("chromaticities")
         values = np.asarray(said, np.float64).ravel() if said is not None else None
     except (OSError, TypeError, ValueError):
-        # Who reads the pixels tells of files that are broken.
+        # Reading the pixels reports broken files.
         return None
     if values is None or values.size < 6:
         return None

@@ -49,7 +49,7 @@ _UPRIGHT = {
 
 
 def _nobody(text: str) -> None:
-    """Nobody is told."""
+    """Ignore it."""
 
 
 def read_texels(path: Path, check_size: SizeCheck, tell: Tell = _nobody) -> np.ndarray:
@@ -244,8 +244,8 @@ def _as_array(image: Any) -> np.ndarray:
 def _sixteen_bits(image: Any, again: Callable[[], Any]) -> np.ndarray:
     """Both bytes of each number.
 
-    Pillow keeps one byte of numbers of 16 bits in colour: the high one, or the low one if it is
-    told that they are little-endian, which PNG's are not.
+    Pillow keeps one byte of numbers of 16 bits in colour: the high one, or the low one if it takes
+    them for little-endian, which PNG's are not.
     """
     from PIL import Image
 

@@ -16,9 +16,9 @@ _NAMES = {"periodic": "repeat"}
 
 
 def read_wraps(path: Path) -> tuple[str, str]:
-    """The wrap along u and along v, such as repeat, clamp, mirror or black; empty if not said.
+    """Wraps along u and v, such as repeat, clamp, mirror or black; empty if the file has none.
 
-    A file that is missing or broken says nothing: who reads its pixels tells of that.
+    A file that is missing or broken has none: reading its pixels reports that.
     """
     try:
         with path.open("rb") as file:

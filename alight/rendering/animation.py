@@ -151,7 +151,7 @@ class Animation:
         if options.turntable and place_camera(self.scene).motion is not None:
             text = "{turntable} takes the camera as it is at first, without its motion"
             self.prepared.useless.append((text, ("turntable",)))
-        # What the scene says already is not said again for every frame; denoising has added layers.
+        # What the scene sets already is not set again for every frame; denoising has added layers.
         self.single = self.prepared.options.with_loaded_scene()
         #: By frame: threads are done in any order.
         self._kept: dict[int, list[Path]] = {}
@@ -187,7 +187,7 @@ class Animation:
 
     @property
     def goes_on(self) -> bool:
-        """Whether frames that are there are kept when the same is asked again."""
+        """Whether the same command keeps the frames that exist and goes on."""
         suffixes = {path.suffix.lower() for path in self.patterns}
         # 8 bits and a display are too little to make a film from.
         return bool(suffixes) and suffixes <= {*exr.SUFFIXES, *png.SUFFIXES} and (

@@ -182,7 +182,7 @@ class Job:
 
     @cached_property
     def behind_glass(self) -> np.ndarray | None:
-        """Light behind clear glass and off mirrors, looked for when it is first asked for."""
+        """Light behind clear glass and off mirrors, looked for when first needed."""
         return self._look_behind_glass()
 
     @cached_property

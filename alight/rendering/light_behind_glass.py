@@ -188,7 +188,7 @@ def _through(
         passed = met & (turns.pdf > 0.0) & (turns.holes | bent)
         if not passed.any():
             break
-        # What has stopped a ray is not asked again.
+        # What has stopped a ray is not tested again.
         going = passed
         glass |= passed & bent
         spread += np.where(passed & ~smooth, turns.spread, 0.0)

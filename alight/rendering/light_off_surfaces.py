@@ -228,7 +228,7 @@ def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> Arrived:
         first = ~light.turned & ~turns.holes
         way = light.way + hit.t
         seen, share = _scattered(pilot, light, way, surface, wl, turns)
-        # Paths end by chance where they lose light: the others stand for more.
+        # Paths end by chance where they lose light: the others count for more.
         keep = np.minimum(np.nan_to_num(seen.max(axis=1) * share), 1.0)
         keep = np.where(turns.holes, 1.0, keep)
         on = random.random(n) < keep

@@ -37,7 +37,7 @@ MOST_SURFACES = 16
 #: degree look as sharp in it as they are.
 SHARP = 1e4
 
-#: Wavelength for which glass that disperses light is asked, nanometres.
+#: Wavelength at which dispersive glass is evaluated, nanometres.
 _GREEN = np.float32(550.0)
 
 

@@ -1,12 +1,12 @@
 """The cost of a promise, predicted from a pilot.
 
 The pilot's relMSE is measured at three numbers of samples, each twice the last. Its slope in
-logarithms (-1 for independent samples, steeper for better ones) is carried on to the error that is
-asked for; the interval holds the doubt about the slope, the distance between two looks of the stop
+logarithms (-1 for independent samples, steeper for better ones) is extrapolated to the requested
+error; the interval holds the doubt about the slope, the distance between two looks of the stop
 rule, and that of the time per sample. The time is that of a start, of the samples, and of the looks
 of the rule, which in small pictures is most of it.
 
-Rare light that paths find by chance is told by the pilot that has looked for it
+Rare light that paths find by chance comes from the pilot that has looked for it
 (`alight.rendering.schedules.rare_light`) until enough samples have met it, and its noise is that of
 independent samples. Only the rest has the slope.
 """
@@ -88,7 +88,7 @@ class Pilot(Schedule):
         Processor seconds of the samples between two looks, and of the looks.
     need : float
         Times the samples of the last look that the promise needs, without that light; infinite
-        where that cannot be told.
+        where there is no telling.
     rare : RareNoise
         Noise of that light at the last look.
     met : float
@@ -240,7 +240,7 @@ def plan(scene: Scene | str | os.PathLike[str], options: PlanOptions) -> Plan:
     Raises
     ------
     OptionError
-        If the pilot has seen no light, so that nothing can be said.
+        If the pilot has seen no light, so that nothing can be predicted.
 
     Examples
     --------
@@ -266,7 +266,7 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
     Raises
     ------
     OptionError
-        If the pilot has seen no light, so that nothing can be said.
+        If the pilot has seen no light, so that nothing can be predicted.
     """
     pilot = Pilot(promise)
     asked = RenderOptions(schedule=pilot, **options)
@@ -327,8 +327,8 @@ def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
 def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
     """Times the pilot's samples that the promise needs, with `rare` times the noise of rare light.
 
-    The rule asks of rare light what it asks of light met often; of all other noise, what it asks
-    of the pilot. Where that cannot be told, it is what the pilot's estimate needs at least.
+    The rule demands of rare light what it demands of light met often; of all other noise, what it
+    demands of the pilot. Where that is unknown, it is what the pilot's estimate needs at least.
     """
     other = pilot.need if 1.0 < pilot.need < math.inf else _gap(pilot)
     rare *= _rare(pilot) * _margin(pilot.promise) / pilot.promise.error**2

@@ -1,4 +1,4 @@
-"""`alight.render`: a scene becomes a film, and the files that were asked for.
+"""`alight.render`: a scene becomes a film, and the requested files.
 
 ::
 
@@ -128,8 +128,8 @@ def render(scene: Any, options: RenderOptions) -> Film:
     Raises
     ------
     AlightError
-        For a scene or an option that is wrong, and for a file that cannot be written: where the
-        samples are then is said.
+        For a scene or an option that is wrong, and for a file that cannot be written; the message
+        then says where the samples are.
     KeyboardInterrupt
         After the running tiles are in the film, which `progress` has been given.
 

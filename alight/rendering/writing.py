@@ -24,7 +24,7 @@ from alight.outputs.display import Display
 from alight.outputs.image import check_writable, format_of, write_image
 from alight.rendering.summary import statistics_of, summary_lines, write_json
 
-#: Part of the pixels with light that may be lost to white or to black before it is said.
+#: Share of the lit pixels that may clip to white or to black without a warning.
 MOST_LOST = 0.5
 
 
@@ -77,7 +77,7 @@ class Targets:
         Parameters
         ----------
         layers : sequence of str
-            That were asked for.
+            Requested ones.
         alpha : bool
             Whether the background is not the scene's.
         """
@@ -190,7 +190,7 @@ def exposure_advice(display: Display, linear: np.ndarray) -> list[str]:
 
 
 def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ()) -> Outcome:
-    """Write everything; what cannot be written goes to a place that is said.
+    """Write everything; what cannot be written is rescued to a place that the error names.
 
     Parameters
     ----------
@@ -204,11 +204,11 @@ def finish(film: Film, targets: Targets, begin: float, told: Sequence[str] = ())
     Raises
     ------
     OutputError
-        If a file cannot be written; where the samples are then is said.
+        If a file cannot be written; it says where the samples are.
     """
     try:
         if targets.stats is not None:
-            # Before pictures ask for one half of it.
+            # Before pictures need one half of it.
             film.judged()
         denoiser = write_outputs(film, targets)
         seconds = time.perf_counter() - begin

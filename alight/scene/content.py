@@ -120,5 +120,5 @@ def _file_digest(path: Path) -> str:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()[:16]
     except OSError:
-        # Loading has said so already, or says so when it comes to it.
+        # Loading has reported it already, or will when it gets there.
         return "unreadable"

@@ -159,7 +159,7 @@ def _with_our_primaries(
     if note is not None:
         note(f"{said}: its colours were converted")
     turned = texels.astype(np.float32)
-    # Large numbers may overflow; who checks the texels tells of them.
+    # Large numbers may overflow; the check of the texels reports them.
     with np.errstate(over="ignore", invalid="ignore"):
         turned[..., :3] = texels[..., :3] @ primaries.to_srgb.T.astype(np.float32)
     return turned

@@ -21,7 +21,7 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 #: Fewest characters of a token that a user chooses.
 SHORTEST = 8
 
-#: Sent with every page: nothing is loaded from elsewhere, nothing is told to others.
+#: Sent with every page: nothing is loaded from elsewhere, nothing leaks to others.
 HEADERS = {
     "content-security-policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "

@@ -25,7 +25,7 @@ SAVE_FIRST = "no command says all of these edits: save the scene, and render tha
 
 
 class Origin(NamedTuple):
-    """What ``alight view`` was asked for."""
+    """What ``alight view`` was called with."""
 
     subject: str
     options: ViewOptions
@@ -56,7 +56,7 @@ def command_of(
             made = made.changed(camera=camera)
         else:
             data = dump_scene(shown, edited="camera")["camera"]
-            # What was said of a camera before is of no effect.
+            # Earlier changes of the camera have no effect.
             others = [text for text in made.changes if not text.startswith(("camera=", "camera."))]
             made = made.changed(camera=None, changes=(*others, f"camera={json.dumps(data)}"))
     if content_hash(_read(origin, made)) != content_hash(shown):
@@ -75,7 +75,7 @@ def _read(origin: Origin, options: ViewOptions) -> Scene:
 def _with_end(
     options: ViewOptions, live: LiveScene, own_spp: int | None
 ) -> tuple[ViewOptions, list[str]]:
-    """The options with the samples that the view takes, and what cannot be said by them."""
+    """The options with the samples that the view takes, and notes on what they cannot express."""
     planned, ends_earlier = planned_spp(live.movable.options, own_spp)
     if not ends_earlier:
         options = options.changed(spp=live.wish.spp or planned)

@@ -34,7 +34,7 @@ class WrongValueError(ValueError):
 
 @dataclass(frozen=True)
 class Step:
-    """What an edit made of what; `path` is what was changed, `assignment` says so as ``--set``."""
+    """The scene before and after an edit of `path`; `assignment` is the same edit for ``--set``."""
 
     path: str
     before: Scene

@@ -1,4 +1,4 @@
-"""A live scene that is edited: which scene is to be seen, and what the page is told of it."""
+"""A live scene that is edited: which scene to show, and its state for the page."""
 
 from __future__ import annotations
 

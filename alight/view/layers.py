@@ -18,7 +18,7 @@ from alight.outputs.picture import Picture, as_picture
 #: The layer that is the picture itself, and those that every film has.
 PICTURE, ERROR, SAMPLES = "picture", "error", "samples"
 
-#: A pixel's error is told over the larger of its value and this share of the picture's mean.
+#: A pixel's error is relative to the larger of its value and this share of the picture's mean.
 DARKEST = 0.1
 
 
@@ -50,7 +50,7 @@ class Layers(ABC):
 
 
 class FilmLayers(Layers):
-    """The layers of a film: they may be asked for while it grows."""
+    """The layers of a film, which may be read while it grows."""
 
     def __init__(self, film: Film) -> None:
         self.film = film

@@ -75,7 +75,7 @@ class GrowingLayers(FilmLayers):
         """As of any film, but for the picture."""
         if name != PICTURE:
             return super().plane(name)
-        # The samples first: what comes between is in the image, though not yet told to be there.
+        # The samples first: what comes between is in the image, though not yet counted.
         empty = self.film.sample_count == 0
         image = self.film.image
         if empty.any():
@@ -140,7 +140,7 @@ class LiveScene:
 
     @property
     def wish(self) -> Wish:
-        """What was asked for last."""
+        """The latest request."""
         return self._wish
 
     @property
@@ -392,7 +392,7 @@ class LiveScene:
 
 
 def _words(error: Exception) -> str:
-    """What to tell the page of an error; those that are bugs are told on the terminal, too."""
+    """What the page shows of an error; bugs are printed on the terminal, too."""
     if not isinstance(error, AlightError):
         traceback.print_exception(error)
     return str(error) or type(error).__name__

@@ -264,7 +264,7 @@ def _widget_class() -> Any:
     import traitlets
 
     class Widget(anywidget.AnyWidget):
-        """What the browser is told, and whether it wants the end."""
+        """State for the browser, and whether it wants to stop."""
 
         _esm = module_text()
         frame = traitlets.Bytes(b"").tag(sync=True)

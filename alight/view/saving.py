@@ -10,7 +10,7 @@ from alight.outputs.image import write_image
 from alight.view.layers import PICTURE
 from alight.view.session import Session
 
-#: Names under which they are asked for.
+#: Names under which they are requested.
 SAVED = ("film.alight", "picture.exr", "picture.png", "scene.yaml")
 
 

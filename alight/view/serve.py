@@ -62,7 +62,7 @@ def serve(subject: str, options: ViewOptions, tell: Callable[[str], None]) -> No
 
 
 def _bound(options: ViewOptions) -> socket.socket:
-    """A socket at the address that was asked for.
+    """A socket at the requested address.
 
     Raises
     ------

@@ -150,7 +150,7 @@ async def _send(socket: WebSocket, mailbox: Mailbox) -> None:
             else:
                 await socket.send_bytes(message)
     except (WebSocketDisconnect, RuntimeError):
-        # The browser has gone while it was being told; reading notices, too.
+        # The browser left while it was being sent to; reading notices, too.
         return
 
 

@@ -263,7 +263,7 @@ class Session:
             raise RefusedError("layer: there is none of this name")
 
     def _inspected(self, live: LiveScene, editor: Editor, event: protocol.Event) -> dict[str, Any]:
-        """Answer what takes long; what cannot be answered is said in the answer."""
+        """Answer what takes long; a failure is part of the answer."""
         answer: dict[str, Any] = {"is": event.word}
         try:
             # One at a time: each takes what processors there are.

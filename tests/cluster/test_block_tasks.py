@@ -147,7 +147,7 @@ def add(name, amount):
 SPOILT = {
     "another task": (lambda c, a: c.update(task="0"), "of another task"),
     "a block too few": (lambda c, a: c["blocks"].pop(), "answered 1 blocks, not 2"),
-    "a sample too many": (add("0.counts", 1), "other samples than were asked for"),
+    "a sample too many": (add("0.counts", 1), "other samples than its task"),
     "limbs that overlap": (add("0..low", 1 << 40), "sums that its samples cannot have"),
     "a negative limb": (add("1..low", -(1 << 40)), "sums that its samples cannot have"),
     "too much light": (add("1..high", 1 << 50), "sums that its samples cannot have"),

@@ -133,7 +133,7 @@ NOISE = np.random.default_rng(0).integers(2**62, size=10**5)
 
 SPOILT = {
     "another task": (lambda c, a: c.update(task="0"), "of another task"),
-    "a sample too many": (change("counts", 1), "other samples than were asked for"),
+    "a sample too many": (change("counts", 1), "other samples than its task"),
     "limbs that overlap": (change(".low", 1 << 40), "sums that its samples cannot have"),
     "too much light": (change(".high", 1 << 62), "sums that its samples cannot have"),
     "negative rays": (lambda c, a: c.update(rays=-1), "has the tallies"),

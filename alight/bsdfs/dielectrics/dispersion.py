@@ -91,7 +91,7 @@ class _Dispersion(AbbeNumber):
     """Metadata of `Dispersive.dispersion`."""
 
     def check(self, value: object) -> Any:
-        """Return a number, a tuple of numbers or a name, or raise an error that says so."""
+        """Return a number, a tuple of numbers or a name, or raise an error."""
         if isinstance(value, str):
             if value not in SUBSTANCES:
                 raise invalid(unknown_name("substance", value, SUBSTANCES))

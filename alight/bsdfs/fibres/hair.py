@@ -63,7 +63,7 @@ from lanewise.simd import (
 #: What a unit of the two pigments absorbs: eumelanin (black, brown), pheomelanin (red, yellow).
 EUMELANIN, PHEOMELANIN = (0.419, 0.697, 1.37), (0.187, 0.4, 1.05)
 
-#: Eumelanin of brown hair, where nothing else is said.
+#: Eumelanin of brown hair, the default.
 BROWN = 1.3
 
 Roughness = Annotated[float, Interval(0.05, 1.0)]

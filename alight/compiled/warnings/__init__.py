@@ -1,1 +1,1 @@
-"""What is legal but suspicious of a scene, where only its tables tell: what is said about it."""
+"""Warnings of what is legal but suspicious in a scene, and shows only in its tables."""

@@ -1,4 +1,4 @@
-"""Bodies that scatter light inside and will not look as they should: what is said about them."""
+"""Warnings of bodies that scatter light inside and will not look as they should."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def warnings_of_bodies(flat: FlatScene) -> tuple[str, ...]:
 
 
 def _in_fog(flat: FlatScene, bodies: list[PlacedShape]) -> list[str]:
-    """Bodies in a medium that fills another shape, and not told that it ends at them."""
+    """Bodies in a medium that fills another shape, without a border where it ends at them."""
     alone = [placed for placed in bodies if placed.border is None]
     filled = [placed for placed in flat.shapes if placed.border and placed.border[0]]
     if not (flat.integrator.sees_media and alone and filled):

@@ -27,7 +27,7 @@ NEAR = 1e-3
 def warnings_of_edges(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...]:
     """Warn of bodies at whose edges no other shape is that may close them.
 
-    Boxes decide: where one touches an edge, as that of a lid or of a floor, nothing is said.
+    Boxes decide: where one touches an edge, as a lid's or a floor's may, there is no warning.
     """
     numbers = [number for number in open_bodies(flat) if flat.shapes[number].motion is None]
     numbers = numbers[:: -(-len(numbers) // MOST_SHAPES) or 1]

@@ -52,7 +52,7 @@ def warnings_of_sizes(flat: FlatScene, shapes: CompiledShapes) -> tuple[str, ...
 
 
 def _rounded_meshes(flat: FlatScene) -> list[tuple[int, str]]:
-    """Meshes whose own vertices are too far from the origin of the mesh, and what is said."""
+    """Meshes whose own vertices are too far from the origin of the mesh, with the warnings."""
     found = []
     for number, placed in enumerate(flat.shapes):
         if placed.geometry == NO_GEOMETRY:

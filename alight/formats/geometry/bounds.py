@@ -74,7 +74,7 @@ class Bounds:
         ----------
         points : (n, 3) array, Shape or mapping
             Points, a mesh of arrays or a shape with a formula, or the description of one; infinite
-            ones are left out, as is what is wrong: the scene that is built of it says so.
+            ones are left out, as is what is wrong: building the scene reports it.
         to_world : (4, 4) float64
         motion : Motion, optional
             What moves it further; the box of its way is enclosed.
@@ -174,7 +174,7 @@ def _extremes_of_shape(spec: Shape, to_world: Array, directions: Array) -> tuple
         try:
             box = model.bounds(model.pack(spec, space @ to_world))
         except np.linalg.LinAlgError:
-            # Flat: whoever compiles the scene says so.
+            # Flat: compiling the scene reports it.
             box = (space @ to_world)[:3, 3], (space @ to_world)[:3, 3]
         low[start : start + 3], high[start : start + 3] = (side[: len(rows)] for side in box)
     return low, high

@@ -77,7 +77,7 @@ class Lifting:
     count: float = 0.0
 
     def lift(self, shape: Any, heights: Heights | None, bounds: Bounds, to_world: Matrix) -> Any:
-        """A shape with its displacement, where there is any and it can be; else as it is, told.
+        """A displaced shape; as it is, with a remark, where it cannot be displaced.
 
         Parameters
         ----------

@@ -25,7 +25,7 @@ _OTHERS = ("metallic", "transmission", "clearcoat", "sheen_color", "iridescence"
 
 
 def have_insides(primitives: Sequence[tuple[Any, Surface, Item]]) -> list[bool]:
-    """Which primitives of a mesh have an inside; what lacks one that its material asks for is said.
+    """Which primitives of a mesh have an inside; reports those that lack one their material needs.
 
     Primitives may be open and close the mesh together. Light that enters one then finds nothing but
     bodies around it, if all of them are.

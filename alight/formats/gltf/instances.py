@@ -1,4 +1,4 @@
-"""Meshes that stand in many places of one node.
+"""Meshes at many places of one node.
 
 Source: Khronos Group, EXT_mesh_gpu_instancing.
 """

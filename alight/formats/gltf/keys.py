@@ -1,6 +1,6 @@
 """Keys and extensions of a glTF file that nobody reads: misspelt ones above all.
 
-The format allows keys of any name, so they are no errors; but they are told of.
+The format allows keys of any name, so they are no errors; but they are reported.
 
 Source: Khronos Group, glTF 2.0 specification, section 5, and the extensions that are read.
 """
@@ -126,7 +126,7 @@ EXTENSIONS: dict[str, dict[str, dict[str, str]]] = {
         ("volume_scatter", "multiscatterColor scatterAnisotropy", {}),
     )
 }  # fmt: skip
-#: Refused or told of where they stand.
+#: Refused or reported where they are read.
 _ELSEWHERE = (
     "EXT_meshopt_compression", "EXT_texture_avif",
     "KHR_texture_basisu", "MSFT_texture_dds",
@@ -141,7 +141,7 @@ def say_what_is_unknown(document: Any, report: Report) -> None:
     Parameters
     ----------
     document : dict
-        The JSON; what else is wrong with it is told of by those who read it.
+        The JSON; its readers report what else is wrong with it.
     report : Report
     """
     said: set[tuple[str, str]] = set()

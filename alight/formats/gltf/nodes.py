@@ -1,8 +1,8 @@
 """The hierarchy of nodes, with meshes, cameras and lights, as nodes of the native format.
 
-Meshes that stand in several places become prototypes. Nodes below which nothing can be seen are
-left out. Where a hierarchy is deeper than the native format allows, the transforms of the deepest
-nodes are multiplied together.
+Meshes at several places become prototypes. Nodes below which nothing can be seen are left out.
+Where a hierarchy is deeper than the native format allows, the transforms of the deepest nodes are
+multiplied together.
 
 Source: Khronos Group, glTF 2.0 specification, sections 3.5 and 3.10; KHR_lights_punctual.
 """

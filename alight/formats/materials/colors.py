@@ -25,7 +25,7 @@ Role = Literal["reflectance", "index", "light"]
 Item = TypeVar("Item")
 
 LARGEST = 1e15
-#: The least error of a reduction that is told.
+#: The least error of a reduction that is reported.
 TOLD = 0.02
 MOST_BYTES = 2**20
 

@@ -56,7 +56,7 @@ def steep_share(surface: Surface, files: Files) -> float:
 
 
 def told(surface: Surface, files: Files) -> str:
-    """What is said of a surface with steep normals; nothing of others."""
+    """The remark on a surface with steep normals; empty for others."""
     share = steep_share(surface, files)
     if share < LEAST:
         return ""
@@ -70,4 +70,4 @@ def _image(texture: Any, files: Files) -> Image | None:
     try:
         return texture.get("pixels") or picture(texture["file"], files)
     except SceneError:
-        return None  # Whoever reads the scene says so.
+        return None  # Building the scene reports it.

@@ -119,7 +119,7 @@ def _image(bitmap: Data, files: Files) -> Image:
     try:
         image = bitmap.get("pixels") or picture(bitmap["file"], files)
     except SceneError:
-        # Whoever reads the scene says so.
+        # Building the scene reports it.
         raise NotBakedError("a picture cannot be read") from None
     return image
 

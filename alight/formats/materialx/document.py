@@ -1,7 +1,7 @@
 """Documents of MaterialX (.mtlx) -> networks of nodes.
 
-A name means a node of the graph that it stands in, or an input of the graph's interface. Graphs
-that a document defines as nodes (``nodedef`` and its implementation) are put in their place.
+A name refers to a node of its own graph, or to an input of that graph's interface. Nodes that a
+document defines as graphs (``nodedef`` and its implementation) are replaced by these.
 
 Source: MaterialX specification 1.39, "MaterialX nodes" and "Custom, compound and inherited nodes";
 1.36 and 1.37 for ``material`` and ``shaderref``.
@@ -36,7 +36,7 @@ _OTHER = (
 
 @dataclass(eq=False)
 class Scope:
-    """A graph as it stands in one place.
+    """A graph as used in one place.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Document:
                 children += self._included(child, folder)
                 continue
             children.append(child)
-        # What is said of a whole file holds for all that stands in it.
+        # Attributes of a whole file hold for everything in it.
         for child in children:
             for key in ("colorspace", "fileprefix"):
                 if key in root:

@@ -30,7 +30,7 @@ class Input:
     kind : str
         Type of MaterialX.
     value : float, int, bool, str, tuple of float, or None
-        None beside a connection, or where nothing is said.
+        None beside a connection, or without a value.
     source : Node or None
         What it is connected to.
     output : str

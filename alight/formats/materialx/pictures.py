@@ -122,7 +122,7 @@ def _largest(e: Evaluates, found: str | Image, space: str) -> float:
             found = picture(found, e.host.files)
         return 1.0 if found.levels > 1 else max(found.maximum(space))
     except SceneError:
-        # Whoever reads the scene says so.
+        # Building the scene reports it.
         return 1.0
 
 

@@ -1,4 +1,4 @@
-"""What the parts of the evaluation need of each other, and of the file that a network stands in."""
+"""What the parts of the evaluation need of each other, and of a network's file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from alight.textures.images import Image
 
 
 class Host(Protocol):
-    """What an evaluator needs of the file that a network stands in."""
+    """What an evaluator needs of a network's file."""
 
     report: Report
     files: Files

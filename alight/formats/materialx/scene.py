@@ -42,7 +42,7 @@ class DocumentHost:
     reach : Reach
     """
 
-    #: The specification converts nothing whose colour space is not said.
+    #: The specification converts nothing without a stated colour space.
     space = ""
     coordinates = "UV0"
     meters = 1.0

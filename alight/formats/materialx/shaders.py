@@ -34,7 +34,7 @@ def read_shader(node: Node, host: Host) -> Surface | None:
     ----------
     node : Node
     host : Host
-        Of the file that it stands in.
+        Of its file.
 
     Returns
     -------
@@ -53,14 +53,14 @@ def read_shader(node: Node, host: Host) -> Surface | None:
 
 
 def not_covered(node: Node) -> str:
-    """What is said of a shader that is not covered."""
+    """The remark on a shader that is not covered."""
     hint = did_you_mean(node.category, SHADERS)
     listed = ", ".join(sorted([*SHADERS, "surface_unlit"]))
     return f"shader {quote(node.category)} is not covered{hint}  (covered: {listed})"
 
 
 def stand_in() -> Surface:
-    """What stands for a shader that is not covered: squares of magenta and black."""
+    """Stand-in for a shader that is not covered: squares of magenta and black."""
     return Surface({"type": "diffuse", "reflectance": bitmap(MISSING)})
 
 

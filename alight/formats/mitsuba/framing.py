@@ -36,7 +36,7 @@ def _add(
     context: Context, bounds: Bounds, nodes: dict[str, Any], above: Placement, level: int = 0
 ) -> None:
     for node in nodes.values():
-        # What is wrong with it is said when the scene is built.
+        # Building the scene reports what is wrong with it.
         transform = parse_transform(node.get("transform", []), lambda issue: None)
         here = above.then(transform, Camera().shutter)
         if node.get("shape") is not None:

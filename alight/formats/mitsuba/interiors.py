@@ -46,7 +46,7 @@ def of_shape(draft: Draft) -> bool:
 
 
 def of_camera(draft: Draft) -> None:
-    """Put the medium that a sensor stands in into the camera."""
+    """Give the camera the medium that its sensor is in."""
     found = draft.properties.take("medium", "ref")
     for surplus in found[1:]:
         draft.context.report.error(surplus, "a sensor stands in one medium at most")

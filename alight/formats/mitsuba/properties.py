@@ -1,4 +1,4 @@
-"""The parameters of one object, asked for by name and kind; the others are unknown ones."""
+"""The parameters of one object, read by name and kind; the others are unknown."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ class Properties(Asked[Element]):
         return found
 
     def finish(self) -> None:
-        """Report whatever has not been asked for."""
+        """Report whatever has not been read."""
         for element, text in self.unknown():
             self.report.not_covered(element, text, "ignored")
         for element in self.objects:

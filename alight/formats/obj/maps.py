@@ -32,7 +32,7 @@ MAPS = {
 
 @dataclass
 class Map:
-    """A picture with its options: description, multiplier of bumps, and the channel asked for."""
+    """A picture with its options: description, multiplier of bumps, and the requested channel."""
 
     data: Data
     file: str

@@ -121,7 +121,7 @@ def _mean_luminance(context: Context, file: str) -> float:
     try:
         texels = images.picture(file, context.reach.files).linear()
     except SceneError:
-        # It is told of when the scene is compiled.
+        # Compiling the scene reports it.
         return 1.0
     return float((np.broadcast_to(texels, (*texels.shape[:2], 3)) @ LUMINANCE).mean()) or 1.0
 

@@ -1,4 +1,4 @@
-"""The parameters of one directive, asked for by name and kind; the others are unknown ones."""
+"""The parameters of one directive, read by name and kind; the others are unknown."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Parameters(Asked[Parameter]):
         return default
 
     def finish(self) -> None:
-        """Report whatever has not been asked for."""
+        """Report whatever has not been read."""
         what = f"of {self.directive.name} {quote(self.directive.type)}"
         for parameter, text in self.unknown():
             if parameter.name not in self._inherited:

@@ -43,7 +43,7 @@ _QUADRATIC = np.array([[1, 1, 0], [0, 2, 0], [0, 1, 1]]) / 2.0
 
 @dataclass
 class Bundle:
-    """Curves that are of one material and stand in one place: one shape.
+    """Curves of one material in one place: one shape.
 
     Attributes
     ----------

@@ -360,7 +360,7 @@ def _take_numbers(context: Context, data: Data, kind: str) -> None:
     try:
         image = images.picture(data["file"], context.reach.files, data=space == "linear")
     except SceneError:
-        # It is told of when the scene is compiled.
+        # Compiling the scene reports it.
         return
     found = numbers_in(image, data["file"], space, kind, context.old)
     if found is not None:

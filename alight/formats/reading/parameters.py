@@ -1,4 +1,4 @@
-"""Parameters that are asked for by name; what nobody asks for is unknown."""
+"""Parameters read by name; what nobody reads is unknown."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Asked(ABC, Generic[Part]):
     named : dict
         Parameters by name.
     asked : dict of str to None
-        What has been asked for, in order.
+        What has been read, in order.
     """
 
     def __init__(self, report: Report) -> None:
@@ -73,7 +73,7 @@ class Asked(ABC, Generic[Part]):
         self.asked.update(dict.fromkeys(self.named))
 
     def unknown(self) -> list[tuple[Part, str]]:
-        """What has not been asked for, and what to say of it."""
+        """What has not been read, each with its remark."""
         return [
             (part, unknown_name("parameter", name, self.asked, listed_as="parameters"))
             for name, part in self.named.items()

@@ -45,7 +45,7 @@ class Report:
     assumed : dict of str to str
         Key path -> the warning that holds as long as its value stays.
     told : set of (str, str)
-        What has been said, each but once: a file may have as many remarks as shapes.
+        What has been reported, each only once: a file may have as many remarks as shapes.
     """
 
     lenient: bool = False

@@ -84,7 +84,7 @@ class Glow:
         Parameters
         ----------
         spec : Shape or mapping
-            A shape, or its description; what is wrong with that is said when the scene is built.
+            A shape, or its description; building the scene reports what is wrong with that.
         to_world : (4, 4) float64
         radiance : number, color or texture
             As of `add`.
@@ -131,4 +131,4 @@ class Glow:
         try:
             return picture(name, self._files)
         except SceneError:
-            return None  # Whoever reads the scene says so.
+            return None  # Building the scene reports it.

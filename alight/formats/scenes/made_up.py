@@ -1,8 +1,8 @@
 """What a reader of a foreign file made up, after the user has changed the scene.
 
 A studio is placed where a file has no light, and a camera where it has none. The user may replace
-either when he loads the file: then they are no longer told of, and what was chosen to fit them goes
-with them.
+either when he loads the file: then they are no longer reported, and what was chosen to fit them
+goes with them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What stands for missing files of scenes in the native format, where a lenient reader is asked."""
+"""Stand-ins for missing files of scenes in the native format, for ``--lenient``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from alight.formats.reading.report import Report
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.source import Remarks, Source
 
-#: Type of what names a file -> what is said of it.
+#: Type of what names a file -> its remark.
 _STAND_INS = {
     "bitmap": CHECKERED,
     "environment": DARK,
@@ -21,7 +21,7 @@ _STAND_INS = {
 
 
 def replace_missing(data: dict[str, Any], source: Source, reach: Reach) -> Source:
-    """Let something stand for the files that a description names and that are not there.
+    """Replace files that a description names and that do not exist.
 
     Parameters
     ----------

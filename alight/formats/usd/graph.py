@@ -81,7 +81,7 @@ class Graph(ModelScene):
         else:
             self.nodes.update(world["children"])
         for dome in self._domes:
-            # They stand in the world, not where their prims do.
+            # They are in world space, not in that of their prims.
             self.nodes[free_name("dome", self.nodes, "dome")] = dome
         eye = [] if self.view is None else [self.view[:3, 3]]
         box = corners(self.bounds.low, self.bounds.high)
@@ -156,7 +156,7 @@ class Graph(ModelScene):
         return matrix
 
     def _own(self, prim: Any, to_world: Matrix, path: str) -> Data | None:
-        """What stands at a prim's place."""
+        """The nodes for a prim's place."""
         kind = str(prim.GetTypeName())
         if prim.IsA(UsdGeom.Mesh) or prim.IsA(UsdGeom.Points):
             return self._mesh(prim, to_world, path)

@@ -1,4 +1,4 @@
-"""Controls of UsdLux that no light in nature has: none counts, and each that is used is told.
+"""Controls of UsdLux that no real light has: they are ignored, and reported where they are used.
 
 Source: Pixar, OpenUSD documentation, UsdLux: "LightAPI", "ShadowAPI", "LightFilter".
 """
@@ -10,7 +10,7 @@ from typing import Any
 from alight.formats.usd.modules import UsdLux
 from alight.formats.usd.stage import Stage
 
-#: Attributes, the value that changes nothing, and what is said of another one.
+#: Attributes, the value that changes nothing, and the remark on any other.
 _CONTROLS: tuple[tuple[str, Any, str], ...] = (
     ("inputs:diffuse", 1.0, "it shines on matte and shiny surfaces alike (diffuse)"),
     ("inputs:specular", 1.0, "it shines on matte and shiny surfaces alike (specular)"),

@@ -40,7 +40,7 @@ _BLACK: Data = {"type": "diffuse", "reflectance": 0.0}
 _ROUNDING = 5e-5
 #: From our light along +z to one along -z.
 _TURNED: Data = {"rotate": {"axis": "y", "angle": 180.0}}
-#: How a light and the glow of its mesh's material go together, if nothing is said.
+#: How a light and the glow of its mesh's material combine by default.
 _TINTED = UsdLux.Tokens.materialGlowTintsLight
 
 
@@ -51,7 +51,7 @@ class Placed:
     Attributes
     ----------
     node : dict
-        What stands at the prim's place.
+        Nodes for the prim's place.
     dome : dict or None
         Instead of it, the node in the world of what is around the scene.
     radius : float

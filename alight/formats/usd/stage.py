@@ -1,4 +1,4 @@
-"""Opening a stage: its layers must lie within reach, and what OpenUSD complains of is said."""
+"""Opening a stage: its layers must lie within reach, and OpenUSD's complaints are reported."""
 
 from __future__ import annotations
 
@@ -301,7 +301,7 @@ def _layers_within(path: str, name: str, reach: Reach, documents: Documents) -> 
             try:
                 below = _opened(found)
             except Tf.ErrorException as error:
-                # Missing ones are told of when OpenUSD puts the stage together.
+                # Missing ones are reported when OpenUSD composes the stage.
                 if is_file(Path(found.partition("[")[0])):
                     refused[authored] = f"does not fit together: {first_line(error)}"
                 continue

@@ -199,7 +199,7 @@ def _of_channels(
 
 
 def _channel_names(channels: Iterable[str], layer: str | None) -> list[str]:
-    """Channels of the picture, or of the layer that is asked for."""
+    """Channels of the picture, or of the requested layer."""
     names = set(channels)
     layers = {name.rpartition(".")[0] for name in names}
     if layer is not None:

@@ -24,7 +24,7 @@ Point = tuple[float, float, float]
 
 
 def any_film(chance: Chance, size: tuple[int, int] | None) -> FilmSettings:
-    """A film of a size of its own, or of the one that is asked for."""
+    """A film of a size of its own, or of the requested one."""
     width = round(chance.scaled(SMALLEST, LARGEST))
     height = round(width * chance.scaled(0.5, 2.0))
     drawn = (width, min(max(height, SMALLEST), LARGEST))

@@ -116,7 +116,7 @@ def _keep_replicate(
     ladder: Iterable[Rung],
     timed_on: str,
 ) -> None:
-    """Work out what is said of a replicate's pictures, step by step, and store it."""
+    """Work out the figures of a replicate's pictures, step by step, and store them."""
     rungs, pictures, looked_at = {}, {}, {}
     example, blocks, invalid = None, np.zeros(0), 0
     for rung in ladder:

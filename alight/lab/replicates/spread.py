@@ -122,7 +122,7 @@ def read_replicate(task: Ladder, size: tuple[int, int], data: Any) -> tuple[list
             _rung(told, arrays[str(number)], size) for number, told in enumerate(content["rungs"])
         ]
         if tuple(rung.spp for rung in rungs) != task.ladder:
-            raise FilmError("a worker's answer has other steps than were asked for")
+            raise FilmError("a worker's answer has other steps than its task")
         return rungs, str(content["processor"])
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, FilmError):
@@ -159,7 +159,7 @@ class Spread:
         self._client, self._equal_time = client, equal_time
         own = processor()
         found: dict[str, str] = {}
-        # One that does not answer now, or lacks alight, is told apart by its answers.
+        # A worker that does not answer now, or lacks alight, shows in its answers later.
         with suppress(TimeoutError):
             found = client.sync(client._run, processor, on_error="ignore", callback_timeout=_LATE)
         others = sorted(set(found.values()) - {own})

@@ -124,7 +124,7 @@ _BIAS = "bias²"
 
 
 def _errors() -> Iterator[tuple[str, Callable[[Point], Estimate | None], bool]]:
-    """What an error table tells of a point: head, how to get it, whether it is a share of 1."""
+    """The columns of an error table: head, how to get it from a point, whether it is at most 1."""
     for name, model in METRICS.items():
         if model.IN_STUDIES:
             yield model.LABEL, lambda point, name=name: point.errors.get(name), model.BOUNDED

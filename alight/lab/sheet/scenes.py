@@ -24,7 +24,7 @@ def find_scenes(wanted: Sequence[str]) -> tuple[list[str], list[Path]]:
     Returns
     -------
     list of str
-        Scenes, in the order asked for, folders by name, none twice.
+        Scenes, in the given order, folders by name, none twice.
     list of Path
         Folders that were not entered, though they hold files that could be scenes.
 

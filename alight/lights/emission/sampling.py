@@ -44,7 +44,7 @@ from lanewise.simd import (
 
 
 def _at_points(program) -> tuple[LightModel, ...]:
-    """The lights of the program that stand at a point, or infinitely far in one direction."""
+    """The lights of the program at a point, or infinitely far away in one direction."""
     models = (LIGHTS[name] for name in LIGHTS if name in program.lights)
     return tuple(model for model in models if model.spec.placement == "node")
 

@@ -244,7 +244,7 @@ def _coverage(layout: Layout, arrays: Any, name: str, samples: np.ndarray) -> Su
 def check_counts(arrays: Mapping[str, np.ndarray], name: str, expected: np.ndarray) -> None:
     """Refuse an answer to other samples."""
     if (_array(arrays, name, expected.shape) != expected).any():
-        raise FilmError("a worker's answer has other samples than were asked for")
+        raise FilmError("a worker's answer has other samples than its task")
 
 
 def tallies_of(content: Mapping[str, Any]) -> list[int]:

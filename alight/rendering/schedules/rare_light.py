@@ -1,9 +1,9 @@
-r"""Noise of light that paths find by chance, told before samples tell it.
+r"""Noise of light that paths find by chance, known before samples show it.
 
 Light that adds m to a pixel, and that a sample meets with probability r, brings m / r there and
-nothing elsewhere: a variance of about :math:`m^2 / r` a sample. Before it is met no replicate tells
-of that, and a few such samples tell it badly. The pilot that has looked for this light knows m and
-r (`alight.rendering.light_behind_glass`). The rest of the noise is that of the replicates without
+nothing elsewhere: a variance of about :math:`m^2 / r` a sample. Before it is met no replicate shows
+it, and a few such samples show it badly. The pilot that has looked for this light knows m and r
+(`alight.rendering.light_behind_glass`). The rest of the noise is that of the replicates without
 samples of this size.
 """
 

@@ -31,7 +31,7 @@ class Goal:
         Of each 8x8 cell of the full film: samples first to first + count - 1. Those that the film
         holds already are not rendered again.
     round : int
-        Index of the film; the next new one is made when it is first asked for.
+        Index of the film; a new one is made when it is first used.
     """
 
     first: np.ndarray
@@ -77,7 +77,7 @@ class Schedule(ABC):
         Parameters
         ----------
         rounds : sequence of Film
-            At least one; the goals asked for before are in them, whole.
+            At least one; earlier goals are in them, whole.
         """
 
     def cut_short(self, rounds: Sequence[Film], word: str) -> Verdict:

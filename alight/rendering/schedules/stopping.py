@@ -52,7 +52,7 @@ ENOUGH_FOR_HALF = 0.73
 
 _NORMAL = NormalDist()
 
-#: Times the samples so far of which no number is told.
+#: Multiple of the samples so far from which on no number is given.
 _FAR = 1e4
 
 
@@ -108,7 +108,7 @@ class Judgement(NamedTuple):
         Of the pixels within the error, at least, with the confidence of this look; NaN under
         "relrmse".
     unseen : float
-        relRMSE that events may add of which no sample has told yet: see `Unseen.figure`.
+        relRMSE that events may add which no sample has met yet: see `Unseen.figure`.
     doubtful : float
         Share of the 8x8 cells in which those events alone exceed the error.
     bound : float
@@ -117,7 +117,7 @@ class Judgement(NamedTuple):
         Whether the estimated error is small enough; and the unseen energy, too.
     factor : float
         Times the samples so far that the promise needs; 1 if it is kept, infinite where the error
-        has no bound of use, or none is known of light by chance, so that it cannot be told.
+        has no useful bound, or light found by chance has none, so that nobody can tell.
     doubted : bool, default False
         Whether only the brightness of noisy pixels, of which too little is known, stands between
         the estimated error and the promise.

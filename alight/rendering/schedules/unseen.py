@@ -27,7 +27,7 @@ def spread_over_pixels(cells: np.ndarray, height: int, width: int) -> np.ndarray
 
 
 class Unseen(NamedTuple):
-    """relRMSE of light that no sample has told of yet.
+    """relRMSE of light that no sample has met yet.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ def unseen_error(
     by_chance: bool = False,
     behind: np.ndarray | None = None,
 ) -> Unseen:
-    """Estimate the relRMSE of light that no sample has told of yet.
+    """Estimate the relRMSE of light that no sample has met yet.
 
     An event that none of the k n samples of a cell's k pixels has met has a probability below
     3 / (k n). If it brings c, up to 3 c / (k n) of each pixel's light is missing. For a bound c is

@@ -54,7 +54,7 @@ def table_of(trace: Trace) -> Iterator[str]:
 
 
 def _digits_of_places(places: Sequence[Sequence[float]]) -> int:
-    """So many that vertices are told apart, however far away they are together."""
+    """Enough to tell vertices apart, however far from the origin they are."""
     if not places:
         return 3
     extent = max(max(side) - min(side) for side in zip(*places, strict=True))

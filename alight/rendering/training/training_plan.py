@@ -1,8 +1,8 @@
 """How long a guide is trained where the scene leaves the choice, and when it is given up.
 
 A guide that does not pay shall cost no more than `MOST_SPENT` of the picture, one that looks as if
-it will a quarter, and one that pays no more than half of it, or a tenth if it is long. What a round
-costs is told by its paths, the picture by its samples: neither clocks nor threads decide.
+it will a quarter, and one that pays no more than half of it, or a tenth if it is long. A round's
+cost is counted in paths, the picture's in samples: neither clocks nor threads decide.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ class TrainingPlan:
         return not self.chooses or self._spent(first) <= MOST_SPENT
 
     def is_judged(self, number: int) -> bool:
-        """Whether what the guide is worth is asked after a round."""
+        """Whether a round is followed by a verdict on the guide."""
         return number in GATES or number >= self.rounds - 1
 
     def step(self, number: int, signs: Signs) -> Step:

@@ -1,4 +1,4 @@
-r"""A photographer's table: light around an object, and the floor that it stands on.
+r"""A photographer's table: light around an object, and the floor below it.
 
 ``builtin:studio`` is a map of latitude and longitude: a large soft box above and to the left of the
 front (+z), a weaker one to the right, a strip behind for the edges, walls that grow darker

@@ -47,7 +47,7 @@ def _cloud(draft: Draft) -> None:
     thickness = chance.scaled(0.5, 8.0)
     draft.media["cloud"] = fogs.boxed_medium(chance, thickness, low, high)
     draft.bsdfs["invisible"] = Null()
-    # What stands in a box of fog does not know of it.
+    # Objects in a box of fog do not refer to it.
     draft.walked = False
     where = translate(*at) @ scale(*half)
     draft.add("cloud", shape=Cube(), bsdf="invisible", interior="cloud", transform=where)
