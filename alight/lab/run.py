@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-import alight
 from alight.core.errors import OptionError, OutputError
+from alight.core.version import VERSION
 from alight.lab.pictures import run_scene
 from alight.lab.replicates.session import QUICK_REPLICATES, Session, StudyProgress
 from alight.lab.replicates.spread import processor, spread_over
@@ -268,7 +268,7 @@ def versions() -> dict[str, str]:
     from importlib.metadata import version
 
     return {
-        "alight": alight.__version__,
+        "alight": VERSION,
         "kernels": fingerprint(),
         "python": platform.python_version(),
         "numpy": version("numpy"),

@@ -18,7 +18,7 @@ from alight.view.live import LiveScene
 
 if TYPE_CHECKING:
     from alight.view.editor import Editor
-    from alight.view.session import Look
+    from alight.view.look import Look
 
 #: Where no words of a command give the scene that is shown.
 SAVE_FIRST = "no command says all of these edits: save the scene, and render that file"

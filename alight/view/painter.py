@@ -18,7 +18,8 @@ from alight.metrics import ErrorEstimate
 from alight.view.contrast import DIVIDER, contrast, waits
 from alight.view.frames import frame
 from alight.view.layers import PICTURE, Layers
-from alight.view.session import Look, Session
+from alight.view.look import Look
+from alight.view.session import Session
 from alight.view.shades import shaded
 
 #: Largest share of the time for frames, and for the error, while a film grows.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -19,11 +19,12 @@ from alight.scene import Scene
 from alight.tone_curves.model import TONE_CURVES
 from alight.view import protocol
 from alight.view.command import Origin, command_of
-from alight.view.contrast import DIVIDER, label_of_way, ways
+from alight.view.contrast import label_of_way, ways
 from alight.view.editor import Editor
 from alight.view.inspection import path_through, why_noisy
 from alight.view.layers import PICTURE, FilmLayers, Layers
 from alight.view.live import LiveScene
+from alight.view.look import Look
 from alight.view.pose import FOCUS
 from alight.view.protocol import RefusedError
 
@@ -32,27 +33,6 @@ OF_THE_LOOK = (protocol.Show, protocol.Develop, protocol.Denoise, protocol.Contr
 
 #: Name of a picture that was kept to compare with.
 KEPT = "kept"
-
-
-@dataclass(frozen=True)
-class Look:
-    """How a layer is shown.
-
-    Attributes
-    ----------
-    layer : str
-        What is wished for; the picture where the layers lack it.
-    display : Display
-    denoised : bool
-        The picture is, when it rests.
-    way : str
-        How it is compared, see `alight.view.contrast`.
-    """
-
-    layer: str = PICTURE
-    display: Display = field(default_factory=Display)
-    denoised: bool = False
-    way: str = DIVIDER
 
 
 class Session:
