@@ -41,7 +41,7 @@ def test_round_trip(tmp_path):
         store.keep("fact", [1, 2.5, "three"])
     with Store(tmp_path / "a.sqlite") as store:
         assert store.numbers("x") == {0, 1, 2}
-        assert store.numbers("y") == set()
+        assert store.numbers("y") == store.numbers("w") == set()
         first = next(store.replicates("x"))
         assert (first.seed, first.invalid, first.rungs[4]["mse"]) == (100, 3, 2.0)
         assert first.blocks.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
@@ -85,7 +85,7 @@ def test_a_full_disk_is_a_message_and_loses_nothing(tmp_path):
             store.add("y", _replicate(1), {4: np.ones((64, 64, 3), np.float32)}, None)
     with Store(tmp_path / "a.sqlite") as store:
         assert store.numbers("x") == {0}
-        assert store.numbers("y") == set()
+        assert store.numbers("y") == store.numbers("w") == set()
         assert store.moments("y", 4) is None
 
 
