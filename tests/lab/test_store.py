@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import OutputError
+from alight.lab.pictures import _notes
 from alight.lab.store import Example, Replicate, Store
 
 WRITER = """
@@ -118,3 +119,11 @@ def test_no_results_file_is_a_message(tmp_path):
         Store(tmp_path / "a.sqlite")
     with pytest.raises(OutputError, match="unable to open"):
         Store(tmp_path / "missing" / "a.sqlite")
+
+
+def test_times_of_two_processors_are_no_longer_those_of_one():
+    for count in (1, 2, 3):
+        names = {f"processor {n}" for n in range(count)}
+        said = [note for note in _notes([], names) if "processors" in note]
+        listed = ", ".join(sorted(names))
+        assert said == [f"times are those of different processors: {listed}"] * (count > 1)
