@@ -366,9 +366,8 @@ def test_too_large_files_are_refused_unread(tmp_path):
         load(path)
 
 
-@pytest.mark.parametrize("still", ["a", "z"])
-def test_what_rests_hides_nothing_that_moves(still):
+def test_what_rests_hides_nothing_that_moves():
     moves = "transform: {keyframes: [{time: 0}, {time: 1, translate: [1, 0, 0]}]}"
-    nodes = f"{{{still}: {{shape: sphere}}, m: {{shape: plane, {moves}}}}}"
+    nodes = f"{{a: {{shape: sphere}}, m: {{shape: plane, {moves}}}, z: {{shape: sphere}}}}"
     with pytest.raises(SceneError, match="a plane is infinite and cannot move"):
         loads(f"alight: 1\ncamera: {{type: pinhole, shutter: [0, 1]}}\nnodes: {nodes}\n")

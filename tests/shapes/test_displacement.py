@@ -398,15 +398,3 @@ def test_laws_of_a_scene_count_the_displaced_triangles(monkeypatch):
     assert "triangles: too many" in said["light board"]
     monkeypatch.setattr(pictures, "MOST_TESTS", 1e6)
     assert "triangles: too many" in next(pictures.check_accelerators(scene, 1, str)).detail
-
-
-def test_one_mesh_in_two_places_is_displaced_by_each_place_s_own_heights():
-    keys = ", displacement: ramp, displacement_midlevel: 0, displacement_edge: 1"
-    text = board(f"{keys}, displacement_scale: 0.5")
-    text += board(f"{keys}, displacement_scale: 0.25").removeprefix(HEAD).replace("board", "other")
-    before = flatten(loads(text, "scene.yaml"))
-    first, second = before.shapes
-    assert first.geometry == second.geometry
-    after = displaced(before)
-    highest = [after.geometries[one.geometry].vertices[:, 2].max() for one in after.shapes]
-    np.testing.assert_allclose(highest, [0.5, 0.25])
