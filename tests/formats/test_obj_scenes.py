@@ -296,3 +296,9 @@ def test_texts_of_16_bits_and_points_alone():
         np.testing.assert_array_equal(found.vertices, meant.vertices)
     with pytest.raises(SceneError, match="got 3 points without a face"):
         parse(plain.partition(b"f ")[0], "a.obj")
+
+
+def test_channels_of_colours_are_not_chosen(tmp_path):
+    pictures(tmp_path)
+    plain, chosen = (material(f"map_Kd {o} a.png", tmp_path)[0].bsdf for o in ("", "-imfchan r"))
+    assert chosen == plain

@@ -294,3 +294,16 @@ def test_sheets_and_studies_hand_the_root_on(project, monkeypatch):
                 load_arms(study, study.scenes[0], quick=True)
         else:
             assert set(load_arms(study, study.scenes[0], quick=True)) == {"one", "two"}
+
+
+def test_the_folder_that_was_named_last_is_searched_first(project):
+    for name in ("a", "b"):
+        (project / name).mkdir()
+        (project / name / "p.png").touch()
+    reach = Reach(project)
+    for name in ("a", "b"):
+        reach.add(name)
+    assert reach.find("p.png") == project / "b" / "p.png"
+    (project / "p.png").touch()
+    (project / "b" / "p.png").unlink()
+    assert reach.find("p.png") == project / "a" / "p.png"

@@ -23,7 +23,7 @@ from alight.scene import (
     scale,
     translate,
 )
-from alight.scene.plain_yaml import parse_value, resolve, write
+from alight.scene.plain_yaml import parse, parse_value, resolve, write
 from alight.shapes.mesh import Mesh
 from alight.shapes.sphere import Sphere
 
@@ -209,3 +209,9 @@ def test_content_hash_sees_all_that_decides_the_picture_and_nothing_else():
     assert len({content_hash(base), *hashes}) == len(changes) + 1
     renamed = base.replaced(nodes={f"n{i}": node for i, node in enumerate(base.nodes.values())})
     assert content_hash(renamed) == content_hash(base)
+
+
+@pytest.mark.parametrize("name", ["a: b", "yes", "3", "a, b", "{c", "-", "null", "#", "1e3"])
+def test_names_in_short_mappings_are_quoted_where_they_must_be(name):
+    data = {"nodes": {"a": {name: 1, "b": name}}}
+    assert parse(write(data), "a.yaml")[0] == data

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from alight.core.errors import OutputError
+from alight.lab.pictures import _notes
 from alight.lab.store import Example, Replicate, Store
 
 WRITER = """
@@ -41,7 +42,7 @@ def test_round_trip(tmp_path):
         store.keep("fact", [1, 2.5, "three"])
     with Store(tmp_path / "a.sqlite") as store:
         assert store.numbers("x") == {0, 1, 2}
-        assert store.numbers("y") == set()
+        assert store.numbers("y") == store.numbers("w") == set()
         first = next(store.replicates("x"))
         assert (first.seed, first.invalid, first.rungs[4]["mse"]) == (100, 3, 2.0)
         assert first.blocks.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
@@ -85,7 +86,7 @@ def test_a_full_disk_is_a_message_and_loses_nothing(tmp_path):
             store.add("y", _replicate(1), {4: np.ones((64, 64, 3), np.float32)}, None)
     with Store(tmp_path / "a.sqlite") as store:
         assert store.numbers("x") == {0}
-        assert store.numbers("y") == set()
+        assert store.numbers("y") == store.numbers("w") == set()
         assert store.moments("y", 4) is None
 
 
@@ -118,3 +119,11 @@ def test_no_results_file_is_a_message(tmp_path):
         Store(tmp_path / "a.sqlite")
     with pytest.raises(OutputError, match="unable to open"):
         Store(tmp_path / "missing" / "a.sqlite")
+
+
+def test_times_of_two_processors_are_no_longer_those_of_one():
+    for count in (1, 2, 3):
+        names = {f"processor {n}" for n in range(count)}
+        said = [note for note in _notes([], names) if "processors" in note]
+        listed = ", ".join(sorted(names))
+        assert said == [f"times are those of different processors: {listed}"] * (count > 1)

@@ -57,3 +57,5 @@ def test_wrong_calls_are_refused():
         flip(image, reference, "mdr")
     with pytest.raises(ValueError, match="one shape"):
         flip(image[1:], reference)
+    with pytest.raises(ValueError, match="one shape"):
+        flip(image[:, 1:], reference)

@@ -210,4 +210,24 @@ FOREIGN = (
         (("if not self.context.old or alpha is None:", "if True:"),),
         f"{NUMBERS}::test_in_pbrt_3_only_an_alpha_of_nought_is_a_hole",
     ),
+    Mutant(
+        "folders of pictures that are searched in the order of the file",
+        "formats/reading/reach.py",
+        (("self.searched.insert(0, path)", "self.searched.append(path)"),),
+        "tests/formats/test_reach.py::test_the_folder_that_was_named_last_is_searched_first",
+    ),
+    Mutant(
+        "a common scale of Mitsuba 3 that the sun's own takes the place of",
+        "formats/mitsuba/daylight.py",
+        (('if old and kind == "sunsky"', 'if kind == "sunsky"'),),
+        "tests/formats/mitsuba/test_daylight_and_projectors.py::"
+        "test_scales_of_version_3_are_factors_of_the_common_one",
+    ),
+    Mutant(
+        "a text of Mitsuba that may be a number",
+        "formats/mitsuba/properties.py",
+        (('return self.value(name, "string")', 'return self.value(name, "string", "integer")'),),
+        "tests/recorded/test_answers.py::"
+        "test_an_answer_is_still_the_recorded_one[reader_edits/mitsuba_3]",
+    ),
 )

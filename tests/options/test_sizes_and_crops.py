@@ -47,3 +47,13 @@ def test_what_is_no_size_is_refused(size):
         alight.OptionError, match=r"^size: must be WIDTHxHEIGHT in pixels or on pap"
     ):
         RenderOptions(size=size)
+
+
+def test_changes_of_what_was_changed_before_are_kept_in_their_order(tmp_path):
+    (tmp_path / "a.yaml").write_text(SCENE)
+    first = alight.load(tmp_path / "a.yaml", ["film={size: [9, 5]}", "nodes.ball.shape.radius=2"])
+    scene = scene_of(first, RenderOptions(changes=["film.size=[7, 6]"]))
+    recipe = scene.source.recipe
+    again = alight.load(recipe.path, recipe.changes)
+    assert again.film.size == scene.film.size == (7, 6)
+    assert again.nodes["ball"].shape.radius == scene.nodes["ball"].shape.radius == 2.0

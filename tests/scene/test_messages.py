@@ -364,3 +364,10 @@ def test_too_large_files_are_refused_unread(tmp_path):
         file.truncate(65 * 2**20)
     with pytest.raises(SceneError, match="at most 64 MB, got 65 MB"):
         load(path)
+
+
+def test_what_rests_hides_nothing_that_moves():
+    moves = "transform: {keyframes: [{time: 0}, {time: 1, translate: [1, 0, 0]}]}"
+    nodes = f"{{a: {{shape: sphere}}, m: {{shape: plane, {moves}}}, z: {{shape: sphere}}}}"
+    with pytest.raises(SceneError, match="a plane is infinite and cannot move"):
+        loads(f"alight: 1\ncamera: {{type: pinhole, shutter: [0, 1]}}\nnodes: {nodes}\n")

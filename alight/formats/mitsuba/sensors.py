@@ -55,7 +55,8 @@ def convert(context: Context, element: Element, data: Data) -> int | None:
     _, transform = motion_of(p, of_camera=True)
     if kind == "orthographic":
         width, height = data["film"]["size"]
-        seen: Parallel | Perspective = Parallel(2.0 * height / width)
+        # A film without columns is refused where all films are checked.
+        seen: Parallel | Perspective = Parallel(2.0 * height / max(width, 1))
     else:
         seen = Perspective(*_field_of_view(draft), *_lens(draft, kind))
     said_by = {} if p.has("fov") else {"fov": "focal_length", "fov_axis": "focal_length"}

@@ -283,7 +283,7 @@ def _over_metal(draft: Draft, base: Data, tint: list[float], alpha: float) -> Da
         "type": "principled",
         "base_color": [a * b for a, b in zip(color, tint, strict=True)],
         "metallic": 1.0,
-        "roughness": math.sqrt(inner),
+        "roughness": math.sqrt(max(inner, 0.0)),
         "clearcoat": 1.0,
         "clearcoat_roughness": math.sqrt(max(alpha, 0.0)),
     }

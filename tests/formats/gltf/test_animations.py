@@ -118,6 +118,9 @@ def test_weights_of_morph_targets_are_sampled(tmp_path):
     node = m.node(mesh=index)
     m = animated(m, (node, "weights", [0, 2], [0.0, 1.0, 1.0, 3.0], "LINEAR"))
     np.testing.assert_allclose(points_at(m, 0.5, tmp_path), POINTS + 0.25 * up + 1.5 * right)
+    # Of a node with a matrix, too, whose place cannot be animated.
+    m.json["nodes"][node]["matrix"] = np.eye(4).ravel().tolist()
+    np.testing.assert_allclose(points_at(m, 0.5, tmp_path), POINTS + 0.25 * up + 1.5 * right)
     np.testing.assert_allclose(points_at(m, None, tmp_path), POINTS + 5.0 * up + 5.0 * right)
 
 

@@ -83,6 +83,17 @@ def test_colors_of_vertices_in_bytes_reach_one(normalized):
     np.testing.assert_allclose(colors, [[0, 0.2, 1]] * 4, atol=1e-7)
 
 
+@pytest.mark.parametrize("number", [-0.25, 1.5])
+def test_colors_of_vertices_are_cut_to_what_surfaces_can_have(number):
+    m = Maker()
+    table = np.array([[0.5, number, 0.25]] * 4, "<f4")
+    m.node(mesh=m.square(COLOR_0=m.accessor(table)))
+    scene = parsed(m)
+    colors = scene.data["nodes"]["node 0"]["shape"].colors
+    np.testing.assert_allclose(colors, [[0.5, np.clip(number, 0, 1), 0.25]] * 4)
+    assert any("were cut to [0, 1]" in text for text in scene.warnings)
+
+
 def test_the_same_mesh_with_other_weights_is_another_one():
     m = Maker()
     square = m.square()

@@ -35,6 +35,7 @@ BROKEN = {
             or j["textures"][0].update(source=2), "leads out of the folder"),
     "address": (lambda j: j["images"].append({"uri": "http://a/b.png"})
                 or j["textures"][0].update(source=2), "must be a file beside the scene"),
+    "item": (lambda j: j["nodes"].insert(1, 3), "/nodes/1\n  must be an object, got 3"),
     "matrix": (lambda j: j["nodes"][3].update(matrix=[1] * 16), "must be affine"),
 }  # fmt: skip
 

@@ -145,3 +145,14 @@ def test_spots_with_a_texture():
     assert light.evenness == "intensity" and light.aspect == 1.0
     # Upside down.
     np.testing.assert_allclose(np.diag(found.transform.matrix), [-1, -1, 1, 1], atol=1e-6)
+
+
+def test_scales_of_version_3_are_factors_of_the_common_one():
+    for more, sun, sky in (
+        (floats(scale=50), 50, 50),
+        (floats(scale=50, sun_scale=2), 100, 50),
+        (floats(scale=50, sky_scale=0), 50, 0),
+    ):
+        light, _ = daylight(more, "3.0.0")
+        for scale, meant in ((light.sun_scale, sun), (light.sky_scale, sky)):
+            np.testing.assert_allclose(np.multiply(light.scale, scale) * 106.857, meant, rtol=1e-6)

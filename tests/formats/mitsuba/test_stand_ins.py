@@ -356,3 +356,15 @@ def test_parameters_of_other_renderers_are_listed_and_left_out(body, version):
     scene = read(body, version, lenient=True)
     words = ("ignored", "is taken", "becomes path")
     assert any(word in text for text in scene.warnings for word in words)
+
+
+def test_a_metal_of_negative_alpha_is_smooth_under_a_coat():
+    metal = '<bsdf type="roughconductor"><float name="alpha" value="-0.4"/></bsdf>'
+    tint = '<rgb name="sigma_a" value="0.1 0.2 0.3"/>'
+    assert read_bsdf(tint + metal, 'type="coating"').roughness == 0.0
+
+
+def test_a_film_without_columns_is_refused_before_parallel_rays_of_it():
+    film = '<film type="hdrfilm"><integer name="width" value="0"/></film>'
+    [text] = messages(f'<sensor type="orthographic">{film}</sensor>')
+    assert text.startswith("must be in [1, ") and text.endswith("got 0")

@@ -185,3 +185,14 @@ def test_colour_spaces_and_spectra(tmp_path):
     for parameter, meant in wrong.items():
         found = messages(f'Material "diffuse" {parameter} Shape "sphere"', folder=tmp_path)
         assert any(meant in message for message in found), found
+
+
+def test_nothing_more_is_said_of_a_light_that_is_not_covered():
+    [text] = read('LightSource "glow" "float x" 1', lenient=True).warnings[:1]
+    assert 'light "glow"' in text
+    assert not any("float x" in said for said in _said('LightSource "glow" "float x" 1'))
+
+
+def _said(body):
+    scene = read(body, lenient=True)
+    return [*scene.warnings, *scene.source.remarks.notes]

@@ -107,6 +107,8 @@ def test_bodies_have_their_colour_and_free_path():
 SPHERE = 'Material "subsurface"\nShape "sphere"'
 BODY = 'MakeNamedMaterial "w" "string type" "subsurface"'
 MIXED = 'MakeNamedMaterial "m" "string type" "mix" "string materials" ["w" "w"]'
+MATTE = 'MakeNamedMaterial "d" "string type" "diffuse"\n'
+SECOND = MATTE + MIXED.replace('"w" "w"', '"d" "w"')
 FILLED = 'MakeNamedMedium "m" "string type" "homogeneous"\nMediumInterface "m" ""'
 
 
@@ -114,6 +116,7 @@ FILLED = 'MakeNamedMedium "m" "string type" "homogeneous"\nMediumInterface "m" "
     "body",
     [
         f'{BODY}\n{MIXED}\nNamedMaterial "m"\nShape "disk"',
+        f'{BODY}\n{SECOND}\nNamedMaterial "m"\nShape "disk"',
         f'{SPHERE} "float alpha" 0.5',
         f"{FILLED}\n{SPHERE}",
         'Material "subsurface"\nShape "curve" "point3 P" [0 0 0 1 0 0 2 0 0 3 0 0]',

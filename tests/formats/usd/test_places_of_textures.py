@@ -48,3 +48,15 @@ def test_each_transform_scales_turns_and_moves_what_the_one_before_it_gives(coun
     texture = next(iter(scene.bsdfs.values())).bsdf.base_color
     matrix = texture.lookup()
     np.testing.assert_allclose(uv @ matrix[:, :2].T + matrix[:, 2], expected, atol=1e-5)
+
+
+def test_transforms_that_come_from_themselves_are_left_out(tmp_path):
+    Image.fromarray(np.full((2, 2, 3), 90, np.uint8)).save(tmp_path / "p.png")
+    numbers = {"scale": (2, 3), "shift": (0.5, 0.25), "angle": 30}
+    place = PLACE.format(i=0, source="/m/place 0.outputs:result", **numbers)
+    inputs = "float2 inputs:st.connect = </m/place 0.outputs:result>"
+    text = TEXTURED.format(file="p.png", inputs=inputs, nodes=place, u=1, v=1)
+    scene = usd_loader(tmp_path)(text.replace("place ", "place"))
+    assert any("come from itself" in said for said in scene.warnings)
+    texture = next(iter(scene.bsdfs.values())).bsdf.base_color
+    np.testing.assert_allclose(texture.lookup(), np.eye(3)[: len(texture.lookup())])
