@@ -64,7 +64,12 @@ from alight.core.vec import (
     length_squared,
     row_vec3,
 )
-from alight.core.warps import square_to_uniform_cone, square_to_uniform_sphere, uniform_cone_pdf
+from alight.core.warps import (
+    square_to_uniform_cone,
+    square_to_uniform_sphere,
+    uniform_cone_pdf,
+    uniform_sphere_to_square,
+)
 from alight.shapes.hit import (
     INFO,
     AreaSample,
@@ -120,6 +125,7 @@ STRIDE = 32
 
 #: A disk of its radius.
 PROJECTION = 0.25
+KNOWS_VIEW = True
 IS_ELLIPSOID, SIDE, DENSITY, AREA, INVERSE, MATRIX = 4, 5, 6, 7, 8, 17
 
 _GAMMA_4, _GAMMA_8, _GAMMA_12, _GAMMA_32 = gamma(4), gamma(8), gamma(12), gamma(32)
@@ -387,6 +393,17 @@ def sample_area(tables, cdf, start, shape, u, u2):
     q = square_to_uniform_sphere(u2)
     p = gather_vec3(data, k) + times(data, k + MATRIX, q)
     return AreaSample(p, lanes(0.0), lanes(0.0), lanes_u32(0), area_density(data, k, q))
+
+
+@kernel
+def square(tables, cdf, start, shape, prim, q):
+    """Where `sample_area` has a point q from; see `alight.shapes.rectangle.square`."""
+    data = tables.data
+    k = gather(tables.info, shape * INFO + 3)
+    w = times(data, k + INVERSE, q - gather_vec3(data, k))
+    w = w * (1.0 / sqrt(length_squared(w)))
+    x, y = uniform_sphere_to_square(w)
+    return x, y, area_density(data, k, w)
 
 
 @kernel
