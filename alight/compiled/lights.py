@@ -243,7 +243,7 @@ def _rows(flat: FlatScene, shapes: CompiledShapes, textures: Textures | None) ->
             row = row._replace(motion=flat.shapes[shape.source].motion)
             number = 0 if texture is None else known.index(texture) + 1
             row = row._replace(texture=number, shape=index, areas=shape.areas)
-            if texture is not None and textures is not None and row.kind == "area":
+            if texture is not None and textures is not None and LIGHTS[row.kind].IS_MAPPED:
                 spread = area_map(texture, number, shapes, index, textures)
                 if spread is not None:
                     row = row._replace(spread=spread, mean=spread.mean)

@@ -47,6 +47,9 @@ EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
 #: Rays hit its shape.
 DELTA = False
 
+#: Points are chosen by its texture.
+IS_MAPPED = True
+
 
 def place(spec: Area, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
     """Colour, 1 below a texture; its shape has the place."""
@@ -110,7 +113,8 @@ def sample(scene, index, p, u, u2):
 @kernel
 def pdf(scene, index, p, hit):
     """Density of `sample` per solid angle at a `ShapeHit`; 0 on the dark side."""
-    return where(hit.cosine > 0.0, point_pdf(scene, index, p, hit), 0.0)
+    density = point_pdf(scene, index, p, hit)
+    return where(hit.cosine > 0.0, density, 0.0)
 
 
 @kernel

@@ -32,6 +32,7 @@ from __future__ import annotations
 
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.distributions import pmf_grid, sample_grid
+from alight.core.switch import is_one_of
 from alight.core.vec import gather_vec3, length_squared
 from alight.lights.model import LIGHTS
 from alight.lights.tables import INFO, STRIDE
@@ -68,12 +69,14 @@ def map_at(program):
 
     prim: the primitive of their shapes.
     """
-    number = LIGHTS["area"].number
+    is_mapped = is_one_of(
+        model.number for name, model in LIGHTS.items() if name in program.lights and model.IS_MAPPED
+    )
 
     @kernel
     def map_at(scene, index, prim):
         info, index = scene.lights.info, lanes_u32(0) + index
-        mine = (gather(info, index * INFO) == number) & (gather(info, index * INFO + 2) != 0)
+        mine = is_mapped(gather(info, index * INFO)) & (gather(info, index * INFO + 2) != 0)
         k = where(mine, index, 0) * STRIDE
         start = float_bits(gather(scene.lights.data, k + START))
         listed = mine & (gather(scene.lights.data, k + IS_LIST) > 0.0)

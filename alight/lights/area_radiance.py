@@ -82,7 +82,7 @@ def sample_point(program):
         s = replace(s, error=lanes(0.0) + s.error)
         color = lanes_vec3(1.0)
         if any_lane(textured):
-            s = _placed(scene, shape, start, p, u, numbers, by_map, s)
+            s = _placed(scene, shape, start, p, numbers, by_map, s)
             x, y, prim = coordinates(scene, shape, start, p + s.distance * s.wi, u, numbers)
             hit = Hit(s.distance, x, y, shape, prim)
             at_rest, surface = _surfaces(scene, hit, p, s.wi, textured)
@@ -150,7 +150,7 @@ def _choose(scene, index, textured, p, u, u2):
 
 @specialised
 def _placed(program):
-    """``(scene, shape, start, p, u, u2, by_map, s)``: s, in the lanes of `by_map` as by area.
+    """``(scene, shape, start, p, u2, by_map, s)``: s, in the lanes of `by_map` as by area.
 
     Of shapes with a formula, whose own samples need not be.
     """
@@ -159,11 +159,11 @@ def _placed(program):
     has_formula = is_one_of(numbers)
 
     @kernel
-    def placed(scene, shape, start, p, u, u2, by_map, s):
+    def placed(scene, shape, start, p, u2, by_map, s):
         kind = lanes_u32(0) + gather(scene.shapes.info, shape * SHAPE_INFO)
         mine = by_map & has_formula(kind)
         if any_lane(mine):
-            point = sample_area(scene.shapes, scene.lights.cdf, start, shape, u, u2).p
+            point = sample_area(scene.shapes, scene.lights.cdf, start, shape, u2[0], u2).p
             to_light = point - p
             distance = sqrt(length_squared(to_light))
             wi = to_light * (1.0 / maximum(distance, 1e-30))

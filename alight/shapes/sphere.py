@@ -44,7 +44,6 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import (
-    INV_FOUR_PI,
     INV_PI,
     INV_TWO_PI,
     MACHINE_EPSILON,
@@ -64,12 +63,9 @@ from alight.core.vec import (
     length_squared,
     row_vec3,
 )
-from alight.core.warps import (
-    square_to_uniform_cone,
-    square_to_uniform_sphere,
-    uniform_cone_pdf,
-    uniform_sphere_to_square,
-)
+from alight.core.warps import square_to_uniform_cone, square_to_uniform_sphere, uniform_cone_pdf
+from alight.shapes.ellipsoid import INVERSE, area_density
+from alight.shapes.ellipsoid import square as square
 from alight.shapes.hit import (
     INFO,
     AreaSample,
@@ -126,7 +122,7 @@ STRIDE = 32
 #: A disk of its radius.
 PROJECTION = 0.25
 KNOWS_VIEW = True
-IS_ELLIPSOID, SIDE, DENSITY, AREA, INVERSE, MATRIX = 4, 5, 6, 7, 8, 17
+IS_ELLIPSOID, SIDE, AREA, MATRIX = 4, 5, 7, 17
 
 _GAMMA_4, _GAMMA_8, _GAMMA_12, _GAMMA_32 = gamma(4), gamma(8), gamma(12), gamma(32)
 _SQUARED = 64.0 * MACHINE_EPSILON * MACHINE_EPSILON
@@ -324,13 +320,6 @@ def cone_of(data, k, p):
 
 
 @kernel
-def area_density(data, k, q):
-    """Density per area of A q for q uniform on the unit sphere: 1 / (4 pi |det A| |A^-T q|)."""
-    stretch = sqrt(length_squared(transposed_times(data, k + INVERSE, q)))
-    return INV_FOUR_PI * gather(data, k + DENSITY) / stretch
-
-
-@kernel
 def sample(tables, cdf, start, shape, p, u, u2):
     """Choose a point; see `alight.shapes.rectangle.sample`.
 
@@ -393,17 +382,6 @@ def sample_area(tables, cdf, start, shape, u, u2):
     q = square_to_uniform_sphere(u2)
     p = gather_vec3(data, k) + times(data, k + MATRIX, q)
     return AreaSample(p, lanes(0.0), lanes(0.0), lanes_u32(0), area_density(data, k, q))
-
-
-@kernel
-def square(tables, cdf, start, shape, prim, q):
-    """Where `sample_area` has a point q from; see `alight.shapes.rectangle.square`."""
-    data = tables.data
-    k = gather(tables.info, shape * INFO + 3)
-    w = times(data, k + INVERSE, q - gather_vec3(data, k))
-    w = w * (1.0 / sqrt(length_squared(w)))
-    x, y = uniform_sphere_to_square(w)
-    return x, y, area_density(data, k, w)
 
 
 @kernel

@@ -239,10 +239,16 @@ def test_every_shape_that_can_move_is_in_the_scene(text):
     assert {shape.type_name() for shape in moving} >= kinds
 
 
+#: Bright on one of eight texels.
+PICTURE = "{type: area, radiance: {type: bitmap, pixels: [[1, 1, 1, 1], [1, 1, 50, 1]]}}"
+
+
+@pytest.mark.parametrize("light", ["area", PICTURE], ids=["even", "textured"])
 @pytest.mark.parametrize("choice", ["power", "tree"])
-def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density(choice):
+def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density(choice, light):
     """Direction, distance, density and side agree with what intersection finds there and then."""
-    scene = compiled(HEAD.replace("max_depth: 1", f"max_depth: 1, light_choice: {choice}") + LAMPS)
+    head = HEAD.replace("max_depth: 1", f"max_depth: 1, light_choice: {choice}")
+    scene = compiled(head + LAMPS.replace("light: area", f"light: {light}"))
     n = 8192
     o, _, time = rays(n, seed=8)
     rng = np.random.default_rng(9)
