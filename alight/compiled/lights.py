@@ -28,7 +28,14 @@ from alight.core.spec import Light, Texture
 from alight.lights.area_map import IS_LIST, START
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
-from alight.lights.tables import INFO, STRIDE, TEXTURED, EmittingLights, LightTables
+from alight.lights.tables import (
+    INFO,
+    MAPPED,
+    STRIDE,
+    TEXTURED,
+    EmittingLights,
+    LightTables,
+)
 from alight.lights.tree.split import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -55,7 +62,8 @@ class CompiledLights(NamedTuple):
     ----------
     tables : LightTables or EmittingLights
     kinds : tuple of str
-        For `Program.lights`: the models in use, then `TEXTURED` where a light has a texture.
+        For `Program.lights`: the models in use, then `TEXTURED` where a light has a texture, and
+        `MAPPED` where points are chosen by it.
     shapes : tuple of str
         For `Program.light_shapes`.
     is_dark : bool
@@ -143,7 +151,8 @@ def compile_lights(
             shapes.tables.info.array[row.shape * SHAPE_INFO + 2] = i + 1
     tables, maps = choice.tables, []
     for i, row in enumerate(rows):
-        if row.spread is not None and any(part is not None for part in row.spread.parts):
+        if _is_mapped(row):
+            assert row.spread is not None
             is_list, at = _has_triangles(row, shapes), sum(table.size for table in tables)
             data[i, IS_LIST] = is_list
             data.view(np.uint32)[i, START] = at
@@ -208,6 +217,11 @@ def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: Compiled
     return Choosing(tables, starts, np.diff(cdf)[: len(rows)])
 
 
+def _is_mapped(row: LightRow) -> bool:
+    """Whether its light is spread unevenly over its shape, or over a triangle of it."""
+    return row.spread is not None and any(part is not None for part in row.spread.parts)
+
+
 def _has_triangles(row: LightRow, shapes: CompiledShapes) -> bool:
     return row.shape >= 0 and not SHAPES[shapes.rows[row.shape].kind].has_formula
 
@@ -225,7 +239,8 @@ def _gain(rows: list[LightRow], leaves: Leaves, shapes: CompiledShapes) -> float
 def _names(rows: list[LightRow]) -> tuple[str, ...]:
     found = {row.kind for row in rows}
     textured = (TEXTURED,) if any(row.texture for row in rows) else ()
-    return (*(name for name in LIGHTS if name in found), *textured)
+    mapped = (MAPPED,) if any(map(_is_mapped, rows)) else ()
+    return (*(name for name in LIGHTS if name in found), *textured, *mapped)
 
 
 def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Colour of area lights, one number triple or a texture over the shape, and points chosen by it.
 
-Only programs with `TEXTURED` in their lights look at textures.
+Only programs with `TEXTURED` in their lights look at textures, and only those with `MAPPED` choose
+points by them.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from alight.core.switch import is_one_of
 from alight.core.vec import dot, gather_vec3, length_squared
 from alight.lights.area_map import draw, map_at, mixed_pdf, share_of
 from alight.lights.shining import sample_area, sample_shape, shape_pdf
-from alight.lights.tables import INFO, STRIDE, TEXTURED
+from alight.lights.tables import INFO, MAPPED, STRIDE, TEXTURED
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import Hit, ShapeHit, ShapeSample
 from alight.shapes.model import SHAPES, ShapeModel
@@ -70,6 +71,24 @@ def sample_point(program):
 
         return by_shape
 
+    if MAPPED not in program.lights:
+
+        @kernel
+        def colored(scene, index, p, u, u2):
+            info = scene.lights.info
+            shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
+            s = sample_shape(scene.shapes, scene.lights.cdf, start, shape, p, u, u2)
+            color, texture = lanes_vec3(1.0), gather(info, index * INFO + 2)
+            textured = texture != 0
+            if any_lane(textured):
+                x, y, prim = coordinates(scene, shape, start, p + s.distance * s.wi, u, u2)
+                hit = Hit(s.distance, x, y, shape, prim)
+                surface = surface_from_rest(scene, hit, p, s.wi, textured)
+                color = texture_value(scene, texture, surface, color)
+            return s, color
+
+        return colored
+
     @kernel
     def by_texture(scene, index, p, u, u2):
         info, cdf = scene.lights.info, scene.lights.cdf
@@ -111,7 +130,7 @@ def point_pdf(program):
         shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
         return shape_pdf(scene.shapes, scene.lights.cdf, start, shape, p, hit)
 
-    if TEXTURED not in program.lights:
+    if MAPPED not in program.lights:
         return of_the_shape
 
     @kernel

@@ -10,7 +10,7 @@ from alight.formats import loads
 from alight.lights.area_map import START, share_of, square_of
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.sampling import sample_light
-from alight.lights.tables import STRIDE
+from alight.lights.tables import STRIDE, TEXTURED
 from alight.scene.flatten import flatten
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
@@ -144,7 +144,7 @@ def test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_
 @pytest.mark.parametrize("shape", ["rectangle", "mesh"])
 def test_even_pictures_have_no_map(shape):
     scene = lamp(shape, pixels=[[2.0, 2.0], [2.0, 2.0]])
-    assert scene.tables.lights.data.array.view(np.uint32)[START] == 0
+    assert scene.program.lights == ("area", TEXTURED)
 
 
 def test_lamps_are_known_by_the_part_of_the_picture_that_they_show():
