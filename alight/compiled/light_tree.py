@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from alight.compiled.area_maps import AreaMap
 from alight.compiled.light_gain import even_groups, points_on_surfaces
 from alight.compiled.shapes import CompiledShapes
 from alight.core.constants import PI
@@ -63,6 +64,8 @@ class LightRow(NamedTuple):
         Further numbers of it, such as a picture: they start where its `LightTables.info` says.
     disk : Disk or None
         Of a light around the scene: what paths may aim at.
+    spread : AreaMap or None
+        Of a textured light on a shape: where its light comes from.
     """
 
     kind: str
@@ -78,11 +81,17 @@ class LightRow(NamedTuple):
     table: NDArray[np.float32] | None = None
     disk: Disk | None = None
     light: Light | None = None
+    spread: AreaMap | None = None
 
     @property
     def brightness(self) -> float:
         """Luminance of the mean colour."""
         return float(luminance(Vec3(*self.mean)))
+
+    @property
+    def strengths(self) -> NDArray[np.float64]:
+        """Luminance times area of its triangles, or of its shape, m^2."""
+        return self.areas * (self.brightness if self.spread is None else self.spread.brightness)
 
 
 class Choosing(NamedTuple):
@@ -162,7 +171,7 @@ def _on_shape(number: int, row: LightRow, shapes: CompiledShapes, boxes: dict) -
     axis, spread = model.facing(shapes.tables.data.array[info[3] :])
     axis = axis.reshape(1, 3)
     # What faces all directions is no brighter than its largest shadow.
-    strength = model.PROJECTION * row.brightness * row.areas
+    strength = model.PROJECTION * row.strengths
     word = np.array([number], np.uint32)
     half = 0.5 * np.linalg.norm(high - low, axis=1)
     # What is flat has its middle in its plane.
@@ -209,7 +218,7 @@ def _triangles(number: int, row: LightRow, shapes: CompiledShapes, info: np.ndar
         spread=spread,
         dark=np.full(n, row.dark),
         behind=behind,
-        intensity=row.brightness * row.areas[kept],
+        intensity=row.strengths[kept],
         row=np.full(n, number, np.uint32),
         prim=np.flatnonzero(kept).astype(np.uint32),
     )

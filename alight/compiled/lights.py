@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from alight.compiled.area_maps import Textures, area_map
 from alight.compiled.casters import boxes_by_shape
 from alight.compiled.displacement import displaced
 from alight.compiled.kept import Kept
@@ -24,9 +25,17 @@ from alight.compiled.light_tree import (
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
+from alight.lights.area_map import IS_LIST, START
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
-from alight.lights.tables import INFO, STRIDE, TEXTURED, EmittingLights, LightTables
+from alight.lights.tables import (
+    INFO,
+    MAPPED,
+    STRIDE,
+    TEXTURED,
+    EmittingLights,
+    LightTables,
+)
 from alight.lights.tree.split import Leaves
 from alight.scene.flatten import FlatScene, PlacedLight
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -53,7 +62,8 @@ class CompiledLights(NamedTuple):
     ----------
     tables : LightTables or EmittingLights
     kinds : tuple of str
-        For `Program.lights`: the models in use, then `TEXTURED` where a light has a texture.
+        For `Program.lights`: the models in use, then `TEXTURED` where a light has a texture, and
+        `MAPPED` where points are chosen by it.
     shapes : tuple of str
         For `Program.light_shapes`.
     is_dark : bool
@@ -87,6 +97,7 @@ def compile_lights(
     emits: Emits = "never",
     aims: bool = False,
     kept: Kept | None = None,
+    textures: Textures | None = None,
 ) -> CompiledLights:
     """Make the tables of all lights, and enter area lights into the tables of shapes.
 
@@ -109,13 +120,16 @@ def compile_lights(
         Whether paths aim at lamps, which takes the tables of `alight.lights.targets`.
     kept : Kept, optional
         Of the compilation before: maps of environments are taken from there.
+    textures : Textures, optional
+        The scene's, which begin with those of `light_textures`: points of textured lamps are chosen
+        by them. Without them lamps are taken to shine evenly.
 
     Raises
     ------
     SceneError
         If they always do, and there is a light at which none can start.
     """
-    rows, kept = _rows(flat, shapes), kept or Kept()
+    rows, kept = _rows(flat, shapes, textures), kept or Kept()
     around = [_environment(p, compensated, kept, aims) for p in flat.environments]
     rows += [row for row, _ in around]
     powers = _powers(rows, shapes.radius)
@@ -136,6 +150,13 @@ def compile_lights(
         if row.shape >= 0:
             shapes.tables.info.array[row.shape * SHAPE_INFO + 2] = i + 1
     tables, maps = choice.tables, []
+    for i, row in enumerate(rows):
+        if _is_mapped(row):
+            assert row.spread is not None
+            is_list, at = _has_triangles(row, shapes), sum(table.size for table in tables)
+            data[i, IS_LIST] = is_list
+            data.view(np.uint32)[i, START] = at
+            tables.append(row.spread.table(is_list, at))
     for i, row in enumerate(rows):
         if row.table is not None:
             info[i, 3] = sum(table.size for table in tables)
@@ -190,10 +211,19 @@ def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: Compiled
     cdf = by_power(weights) if rows else np.zeros(2, np.float32)
     tables, starts = [cdf], np.zeros(len(rows), np.uint32)
     for i, row in enumerate(rows):
-        if row.shape >= 0 and not SHAPES[shapes.rows[row.shape].kind].has_formula:
+        if _has_triangles(row, shapes):
             starts[i] = sum(table.size for table in tables)
-            tables.append(cumulative(row.areas))
+            tables.append(cumulative(row.strengths if row.spread is not None else row.areas))
     return Choosing(tables, starts, np.diff(cdf)[: len(rows)])
+
+
+def _is_mapped(row: LightRow) -> bool:
+    """Whether its light is spread unevenly over its shape, or over a triangle of it."""
+    return row.spread is not None and any(part is not None for part in row.spread.parts)
+
+
+def _has_triangles(row: LightRow, shapes: CompiledShapes) -> bool:
+    return row.shape >= 0 and not SHAPES[shapes.rows[row.shape].kind].has_formula
 
 
 def _are_many(rows: list[LightRow]) -> bool:
@@ -209,7 +239,8 @@ def _gain(rows: list[LightRow], leaves: Leaves, shapes: CompiledShapes) -> float
 def _names(rows: list[LightRow]) -> tuple[str, ...]:
     found = {row.kind for row in rows}
     textured = (TEXTURED,) if any(row.texture for row in rows) else ()
-    return (*(name for name in LIGHTS if name in found), *textured)
+    mapped = (MAPPED,) if any(map(_is_mapped, rows)) else ()
+    return (*(name for name in LIGHTS if name in found), *textured, *mapped)
 
 
 def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:
@@ -217,16 +248,21 @@ def _shining(rows: list[LightRow], shapes: CompiledShapes) -> tuple[str, ...]:
     return tuple(name for name in SHAPES if name in kinds)
 
 
-def _rows(flat: FlatScene, shapes: CompiledShapes) -> list[LightRow]:
+def _rows(flat: FlatScene, shapes: CompiledShapes, textures: Textures | None) -> list[LightRow]:
     """All lights but the environments."""
-    textures, rows = light_textures(flat), []
+    known, rows = light_textures(flat), []
     for index, shape in enumerate(shapes.rows):
         light = flat.shapes[shape.source].light
         if light is not None:
             row, texture = _row(light, np.eye(4)), _texture_of(light)
             row = row._replace(motion=flat.shapes[shape.source].motion)
-            number = 0 if texture is None else textures.index(texture) + 1
-            rows.append(row._replace(texture=number, shape=index, areas=shape.areas))
+            number = 0 if texture is None else known.index(texture) + 1
+            row = row._replace(texture=number, shape=index, areas=shape.areas)
+            if texture is not None and textures is not None and LIGHTS[row.kind].IS_MAPPED:
+                spread = area_map(texture, number, shapes, index, textures)
+                if spread is not None:
+                    row = row._replace(spread=spread, mean=spread.mean)
+            rows.append(row)
     return rows + [
         _row(placed.light, placed.to_world)._replace(motion=placed.motion) for placed in flat.lights
     ]

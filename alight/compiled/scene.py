@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from alight.accel.accelerator import build_accelerator
 from alight.bsdfs.interiors.absorption import ABSORBING
 from alight.bsdfs.interiors.bodies import ENDLESS
+from alight.compiled.area_maps import Textures
 from alight.compiled.bodies import may_be_endless, with_ball, with_bodies
 from alight.compiled.cameras import SmallView, compile_camera, small_view
 from alight.compiled.displacement import displaced, told
@@ -175,7 +176,8 @@ def compile_scene(
         shapes.many,
     )
     of_light = light_motions(flat, shapes, paths)
-    lights = _lights_for(flat, shapes, emits, kept)
+    textures = Textures(materials, packed.texture_names)
+    lights = _lights_for(flat, shapes, emits, kept, textures)
     tables = SceneTables(
         shapes=shapes.tables,
         materials=materials,
@@ -270,7 +272,9 @@ def _shapes_in_their_space(flat: FlatScene, uv_sets: bool, kept: Kept) -> _Space
     return _Space(flat, shapes, paths, origin, ball)
 
 
-def _lights_for(flat: FlatScene, shapes: CompiledShapes, emits: bool, kept: Kept) -> CompiledLights:
+def _lights_for(
+    flat: FlatScene, shapes: CompiledShapes, emits: bool, kept: Kept, textures: Textures
+) -> CompiledLights:
     """The lights, with the tables that the scene's integrator needs."""
     integrator = flat.integrator
     own = "if possible" if integrator.way_of_guiding in ("on", "auto") else "never"
@@ -282,6 +286,7 @@ def _lights_for(flat: FlatScene, shapes: CompiledShapes, emits: bool, kept: Kept
         emits="always" if emits or integrator.splats else own,
         aims=integrator.aims_at_lamps,
         kept=kept,
+        textures=textures,
     )
 
 

@@ -198,11 +198,7 @@ def sample_cell(cdf, offset, rows, columns, u, u2):
     column, pmf_column, rest_x = sample_guided(
         cdf, offset + row * (columns + 1), guides + row * (of_columns + 1), of_columns, u2[0]
     )
-    # A cell of k units of 2^-24 meets k values of u2 only; u is spread between them.
-    lower = u * 4096.0
-    rest_y = rest_y + u * (UNIT / maximum(pmf_row, UNIT))
-    rest_x = rest_x + (lower - floor(lower)) * (UNIT / maximum(pmf_column, UNIT))
-    rest = minimum(rest_x, ONE_MINUS_EPSILON), minimum(rest_y, ONE_MINUS_EPSILON)
+    rest = _spread(u, (rest_x, rest_y), (pmf_column, pmf_row))
     return column, row, pmf_row * pmf_column, rest
 
 
@@ -211,6 +207,63 @@ def pmf_cell(cdf, offset, rows, columns, column, row):
     """Probability of a cell, as `sample_cell` returns it."""
     pmf = pmf_discrete(cdf, offset + rows * (columns + 1), row)
     return pmf * pmf_discrete(cdf, offset + row * (columns + 1), column)
+
+
+def cumulative_grid(weights: ArrayLike) -> NDArray[np.float32]:
+    """Tables for `sample_grid`: a conditional distribution a row, then the marginal one.
+
+    Parameters
+    ----------
+    weights : (rows, columns) float
+        Not negative; at most 2^23 of either.
+
+    Returns
+    -------
+    (rows (columns + 1) + rows + 1,) float32
+    """
+    weights = np.asarray(weights, np.float64)
+    parts = _cumulative_units(weights).ravel(), _cumulative_units(weights.sum(axis=1))
+    return np.concatenate(parts).astype(np.float32)
+
+
+@kernel
+def sample_grid(cdf, offset, rows, columns, u, u2):
+    """`sample_cell` where each lane may have a table of its own, of `cumulative_grid`.
+
+    Parameters
+    ----------
+    cdf : View
+    offset, rows, columns : uint32
+        Lanes.
+    u, u2
+        As for `sample_cell`.
+
+    Returns
+    -------
+    column, row, pmf, rest
+        As of `sample_cell`.
+    """
+    row, pmf_row, rest_y = sample_discrete(cdf, offset + rows * (columns + 1), rows, u2[1])
+    column, pmf_column, rest_x = sample_discrete(cdf, offset + row * (columns + 1), columns, u2[0])
+    pmf, rest = pmf_row * pmf_column, (rest_x, rest_y)
+    return column, row, pmf, _spread(u, rest, (pmf_column, pmf_row))
+
+
+@kernel
+def pmf_grid(cdf, offset, rows, columns, column, row):
+    """Probability of a cell, as `sample_grid` returns it."""
+    pmf = pmf_discrete(cdf, offset + rows * (columns + 1), row)
+    return pmf * pmf_discrete(cdf, offset + row * (columns + 1), column)
+
+
+@kernel
+def _spread(u, rest, pmf):
+    """Places inside a cell with the digits of u where the numbers that chose it have few left."""
+    # A cell of k units of 2^-24 meets k values of them only; u is spread between.
+    lower = u * 4096.0
+    y = rest[1] + u * (UNIT / maximum(pmf[1], UNIT))
+    x = rest[0] + (lower - floor(lower)) * (UNIT / maximum(pmf[0], UNIT))
+    return minimum(x, ONE_MINUS_EPSILON), minimum(y, ONE_MINUS_EPSILON)
 
 
 @kernel

@@ -68,6 +68,7 @@ FORMS = {
             "pdf",
             "coordinates",
             "sample_area",
+            "square",
         ),
     ),
     "bsdfs": Form(

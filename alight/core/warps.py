@@ -19,6 +19,7 @@ from lanewise.jit import kernel
 from lanewise.simd import (
     absolute,
     bits_float,
+    copysign,
     float_bits,
     maximum,
     minimum,
@@ -42,6 +43,18 @@ def square_to_disk_concentric(u2):
     ratio = where(steep, b, a) / where(r == 0.0, 1.0, r)
     s, c = sincos_octant(_QUARTER_PI * ratio)
     return r * where(steep, c, s), r * where(steep, s, c)
+
+
+@kernel
+def disk_to_square_concentric(x, y):
+    """The numbers that `square_to_disk_concentric` takes to the point (x, y)."""
+    steep = absolute(x) > absolute(y)
+    along, across = where(steep, x, y), where(steep, y, x)
+    r = copysign(sqrt(x * x + y * y), along)
+    # The angle off the nearer axis, in [-pi / 4, pi / 4], over pi / 4.
+    turned = arctan2(copysign(1.0, along) * across, absolute(along)) / _QUARTER_PI
+    a, b = where(steep, r, r * turned), where(steep, r * turned, r)
+    return 0.5 * a + 0.5, 0.5 * b + 0.5
 
 
 @kernel
@@ -107,6 +120,13 @@ def square_to_uniform_sphere(u2):
 
 
 @kernel
+def uniform_sphere_to_square(w):
+    """The numbers that `square_to_uniform_sphere` takes to the unit direction w."""
+    turn = arctan2(w.y, w.x) * INV_TWO_PI
+    return 0.5 - 0.5 * w.z, where(turn < 0.0, turn + 1.0, turn)
+
+
+@kernel
 def uniform_sphere_pdf():
     """1 / (4 pi) per steradian."""
     return INV_FOUR_PI
@@ -138,6 +158,13 @@ def square_to_triangle(u2):
     d = b - a
     up = d > 0.0
     return where(up, a, a - d), where(up, b + d, b)
+
+
+@kernel
+def triangle_to_square(b1, b2):
+    """The numbers that `square_to_triangle` takes to the barycentric coordinates (b1, b2)."""
+    up, total = b2 > b1, b1 + b2
+    return where(up, 2.0 * b1, total), where(up, total, 2.0 * b2)
 
 
 # ---------------------------------------------------------------- spherical rectangle

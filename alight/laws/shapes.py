@@ -29,8 +29,7 @@ from alight.laws.framing import an_automatic_camera_sees_all_of_it
 from alight.laws.report import demand, demand_close
 from alight.laws.statistics import LARGEST_Z, ROUNDING, UNIT, unit_vectors, z_of_mean
 from alight.lights.area_radiance import coordinates
-from alight.lights.emission.from_shapes import sample_area
-from alight.lights.shining import sample_shape, shape_pdf
+from alight.lights.shining import sample_area, sample_shape, shape_pdf
 from alight.shapes.derivatives import uv_derivatives
 from alight.shapes.hit import Hit, ShapeHit, spawn_origin
 from alight.shapes.model import SHAPES

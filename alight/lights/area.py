@@ -3,7 +3,8 @@ r"""Area light: a finite shape whose surface emits the same radiance in every di
 .. math:: L_e(x, \omega) = L(x) \quad \text{if } \omega \cdot n_g > 0, \text{ else } 0
 
 It emits on the side of the normal only, and its shape scatters light with its BSDF like any other.
-A texture makes the radiance vary over the shape; points are still chosen as if it did not.
+A texture makes the radiance vary over the shape; points are chosen by it, see
+`alight.lights.area_map`.
 
 Source: PBR4 section 12.4.
 """
@@ -17,11 +18,10 @@ import numpy as np
 from alight.core.constants import PI
 from alight.core.field_types import RadianceTexture, Triple
 from alight.core.spec import Light, Texture, largest_channel
-from alight.lights.area_radiance import emitted_color, sampled_color
-from alight.lights.shining import sample_shape, shape_pdf
-from alight.lights.tables import INFO, LightSample
+from alight.lights.area_radiance import emitted_color, point_pdf, sample_point
+from alight.lights.tables import LightSample
 from lanewise.jit import kernel
-from lanewise.simd import gather, lanes_mask, lanes_vec3, where
+from lanewise.simd import lanes_mask, lanes_vec3, where
 
 
 class Area(Light):
@@ -46,6 +46,9 @@ EXAMPLES = (Area(), Area(radiance=(18.0, 14.0, 7.0)), Area(radiance=0.0))
 
 #: Rays hit its shape.
 DELTA = False
+
+#: Points are chosen by its texture.
+IS_MAPPED = True
 
 
 def place(spec: Area, to_world: np.ndarray) -> tuple[Triple, np.ndarray]:
@@ -94,10 +97,8 @@ def sample(scene, index, p, u, u2):
         Without the probability of choosing this light; radiance over the light's colour (which the
         caller multiplies), 0 on the dark side.
     """
-    info = scene.lights.info
-    shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
-    s = sample_shape(scene.shapes, scene.lights.cdf, start, shape, p, u, u2)
-    bright = where(s.cosine > 0.0, sampled_color(scene, index, p, s, u, u2), lanes_vec3(0.0))
+    s, color = sample_point(scene, index, p, u, u2)
+    bright = where(s.cosine > 0.0, color, lanes_vec3(0.0))
     return LightSample(
         wi=s.wi,
         distance=s.distance,
@@ -112,9 +113,7 @@ def sample(scene, index, p, u, u2):
 @kernel
 def pdf(scene, index, p, hit):
     """Density of `sample` per solid angle at a `ShapeHit`; 0 on the dark side."""
-    info = scene.lights.info
-    shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
-    density = shape_pdf(scene.shapes, scene.lights.cdf, start, shape, p, hit)
+    density = point_pdf(scene, index, p, hit)
     return where(hit.cosine > 0.0, density, 0.0)
 
 

@@ -81,6 +81,9 @@ class LightModel(Record):
         At a point: numbers for both, in `EmittingLights.emission`.
     texture : (spec) -> Texture or None
         On a shape: of its radiance, in the place of the colour.
+    IS_MAPPED : bool
+        On a shape: its points are chosen by that texture, see `alight.lights.area_map`; numbers 0
+        and 1 of its own are those of the map.
     map_of : (spec, (4, 4) float64, bool) -> EnvironmentMap
         Around the scene: its picture; the last argument leaves light to BSDF sampling.
     beside_the_map : (spec) -> triple
@@ -115,6 +118,7 @@ class LightModel(Record):
     emit_pdf: Kernel | None = None
     emission_table: Callable[[Any], np.ndarray] | None = None
     texture: Callable[[Any], Texture | None] = no_texture
+    IS_MAPPED: bool = False
     map_of: Callable[[Any, np.ndarray, bool], EnvironmentMap] | None = None
     beside_the_map: Callable[[Any], Triple] = nothing_beside
     disk_of: Callable[[Any, np.ndarray], Disk | None] | None = None

@@ -32,6 +32,9 @@ INFO = 4
 #: Name in `Program.lights` next to the models: the radiance of an area light has a texture.
 TEXTURED = "textured"
 
+#: The same: points of an area light are chosen by its texture.
+MAPPED = "mapped"
+
 #: Numbers of `LightTables.data` a light: red, green and blue, probability of being chosen, and up
 #: to twelve of its own, as `place` gave them.
 STRIDE = 16

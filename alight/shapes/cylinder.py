@@ -316,6 +316,16 @@ def sample_area(tables, cdf, start, shape, u, u2):
 
 
 @kernel
+def square(tables, cdf, start, shape, prim, q):
+    """Where `sample_area` has a point q from; see `alight.shapes.rectangle.square`."""
+    k = gather(tables.info, shape * INFO + 3)
+    w = local_point(tables.data, k, q)
+    turn = arctan2(w.y, w.x) * INV_TWO_PI
+    turn = where(turn < 0.0, turn + 1.0, turn)
+    return turn, w.z, area_density(tables.data, k, w)
+
+
+@kernel
 def derivatives(tables, k, surface):
     """(dp/du, dp/dv) at points of the surface, in the world."""
     s, c = sincos(TWO_PI * surface.u)

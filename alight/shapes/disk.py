@@ -15,7 +15,7 @@ from alight.core.constants import INV_TWO_PI, TWO_PI
 from alight.core.maths import arctan2
 from alight.core.spec import Shape
 from alight.core.vec import cross, dot, gather_vec3, length_squared
-from alight.core.warps import square_to_disk_concentric
+from alight.core.warps import disk_to_square_concentric, square_to_disk_concentric
 from alight.shapes.flat import (
     AREA,
     E1,
@@ -127,6 +127,14 @@ def sample_area(tables, cdf, start, shape, u, u2):
     x, y = square_to_disk_concentric(u2)
     p = flat_point(tables.data, k, x, y)
     return AreaSample(p, x, y, lanes_u32(0), 1.0 / gather(tables.data, k + AREA))
+
+
+@kernel
+def square(tables, cdf, start, shape, prim, q):
+    """Where `sample_area` has a point q from; see `alight.shapes.rectangle.square`."""
+    k = gather(tables.info, shape * INFO + 3)
+    x, y = disk_to_square_concentric(*local_coordinates(tables.data, k, q))
+    return x, y, 1.0 / gather(tables.data, k + AREA)
 
 
 @kernel

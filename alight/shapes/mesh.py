@@ -37,7 +37,7 @@ from alight.core.vec import (
     length_squared,
     max_component,
 )
-from alight.core.warps import square_to_triangle
+from alight.core.warps import square_to_triangle, triangle_to_square
 from alight.shapes.arrays import TriangleShape
 from alight.shapes.charts import along_rows, corners_of, rows_if
 from alight.shapes.charts import derivatives as derivatives
@@ -381,3 +381,14 @@ def coordinates(tables, cdf, start, shape, q, u, u2):
     prim, _ = choose_triangle(cdf, start, count, u)
     b1, b2 = square_to_triangle(u2)
     return b1, b2, prim
+
+
+@kernel
+def square(tables, cdf, start, shape, prim, q):
+    """Where on the triangle `prim` a point q is; see `alight.shapes.rectangle.square`."""
+    prim = where(prim < gather(tables.info, shape * INFO + 7), prim, 0)
+    v0, e1, e2, n, area, _ = light_triangle(tables, shape, prim)
+    # Barycentrics are quotients of areas: of the parts over all, along the normal.
+    d, flip = q - v0, dot(cross(e1, e2), n)
+    x, y = triangle_to_square(dot(cross(d, e2), n) / flip, dot(cross(e1, d), n) / flip)
+    return x, y, triangle_probability(cdf, start, prim) / area

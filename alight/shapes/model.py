@@ -56,6 +56,12 @@ class ShapeModel(Record):
     sample_area : kernel ``(tables, cdf, start, shape, u, u2) -> AreaSample``
         Samples a point of an emissive shape by area, whoever looks at it; without it no light path
         starts there.
+    square : kernel ``(tables, cdf, start, shape, prim, q) -> (x, y, density)``
+        The pair of numbers that `sample_area` takes to the point q of the primitive `prim`, and
+        its density per square metre; without it points of textured lamps are chosen as if they
+        shone evenly.
+    KNOWS_VIEW : bool
+        Its `sample` chooses points by where it is seen from, and not by area alone.
     PROJECTION : float
         Area of its largest shadow over its surface area; the light tree estimates by it how much a
         lamp of this shape sends one way.
@@ -74,6 +80,8 @@ class ShapeModel(Record):
     pdf: Kernel | None = None
     coordinates: Kernel | None = None
     sample_area: Kernel | None = None
+    square: Kernel | None = None
+    KNOWS_VIEW: bool = False
     PROJECTION: float = 0.25
 
     @property

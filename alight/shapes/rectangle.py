@@ -60,6 +60,7 @@ REACH = 1.0 + 2.0**-20
 
 #: Itself, seen from the front.
 PROJECTION = 1.0
+KNOWS_VIEW = True
 
 
 def pack(spec: Rectangle, matrix: np.ndarray) -> np.ndarray:
@@ -197,6 +198,14 @@ def sample_area(tables, cdf, start, shape, u, u2):
     x, y = 2.0 * u2[0] - 1.0, 2.0 * u2[1] - 1.0
     p = flat_point(tables.data, k, x, y)
     return AreaSample(p, x, y, lanes_u32(0), 1.0 / gather(tables.data, k + AREA))
+
+
+@kernel
+def square(tables, cdf, start, shape, prim, q):
+    """Where `sample_area` has a point q from: (x, y in [0, 1], density per square metre)."""
+    k = gather(tables.info, shape * INFO + 3)
+    x, y = local_coordinates(tables.data, k, q)
+    return 0.5 * x + 0.5, 0.5 * y + 0.5, 1.0 / gather(tables.data, k + AREA)
 
 
 @kernel

@@ -44,7 +44,6 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from alight.core.constants import (
-    INV_FOUR_PI,
     INV_PI,
     INV_TWO_PI,
     MACHINE_EPSILON,
@@ -65,6 +64,8 @@ from alight.core.vec import (
     row_vec3,
 )
 from alight.core.warps import square_to_uniform_cone, square_to_uniform_sphere, uniform_cone_pdf
+from alight.shapes.ellipsoid import INVERSE, area_density
+from alight.shapes.ellipsoid import square as square
 from alight.shapes.hit import (
     INFO,
     AreaSample,
@@ -120,7 +121,8 @@ STRIDE = 32
 
 #: A disk of its radius.
 PROJECTION = 0.25
-IS_ELLIPSOID, SIDE, DENSITY, AREA, INVERSE, MATRIX = 4, 5, 6, 7, 8, 17
+KNOWS_VIEW = True
+IS_ELLIPSOID, SIDE, AREA, MATRIX = 4, 5, 7, 17
 
 _GAMMA_4, _GAMMA_8, _GAMMA_12, _GAMMA_32 = gamma(4), gamma(8), gamma(12), gamma(32)
 _SQUARED = 64.0 * MACHINE_EPSILON * MACHINE_EPSILON
@@ -315,13 +317,6 @@ def cone_of(data, k, p):
     by_cone = (squared > r2 * (1.0 + NEAREST)) & (gather(data, k + IS_ELLIPSOID) <= 0.0)
     sin2 = where(by_cone, r2 / where(by_cone, squared, 1.0), 0.5)
     return f, squared, sin2, sin2 / (1.0 + sqrt(1.0 - sin2)), by_cone
-
-
-@kernel
-def area_density(data, k, q):
-    """Density per area of A q for q uniform on the unit sphere: 1 / (4 pi |det A| |A^-T q|)."""
-    stretch = sqrt(length_squared(transposed_times(data, k + INVERSE, q)))
-    return INV_FOUR_PI * gather(data, k + DENSITY) / stretch
 
 
 @kernel

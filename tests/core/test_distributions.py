@@ -10,12 +10,15 @@ from alight.core.distributions import (
     bilinear,
     cumulative,
     cumulative_2d,
+    cumulative_grid,
     guide_size,
     pmf_cell,
     pmf_discrete,
+    pmf_grid,
     sample_bilinear,
     sample_cell,
     sample_discrete,
+    sample_grid,
     sample_guided,
 )
 from lanewise.jit import instantiate, kernel
@@ -102,6 +105,29 @@ def test_cells_are_chosen_by_their_share():
     # Within a cell all places are alike.
     inner = np.histogram2d(x, y, bins=6, range=[[0, 1], [0, 1]])[0].ravel()
     assert chi_square(np.append(inner, 0), np.full(36, 1 / 36)) > SIGNIFICANCE
+
+
+def test_lanes_choose_cells_of_their_own_tables():
+    rng = np.random.default_rng(4)
+    grids = [rng.random((3, 5)) ** 4, np.array([[0.0, 1.0], [3.0, 0.0]]), np.ones((1, 1))]
+    tables = [cumulative_grid(grid) for grid in grids]
+    starts = np.cumsum([2, *(table.size for table in tables)])
+    view = View(np.concatenate([np.zeros(2), *tables]).astype(np.float32))
+    which = rng.integers(0, 3, 60_000)
+    u, x, y = rng.random((3, which.size), np.float32)
+    at = starts[which].astype(np.uint32)
+    rows, columns = (np.array([g.shape[i] for g in grids], np.uint32)[which] for i in (0, 1))
+    column, row, pmf, rest = sample_grid(view, at, rows, columns, u, (x, y))
+    np.testing.assert_array_equal(pmf, pmf_grid(view, at, rows, columns, column, row))
+    for number, grid in enumerate(grids):
+        mine, share = which == number, grid / grid.sum()
+        cells = row[mine] * grid.shape[1] + column[mine]
+        np.testing.assert_allclose(pmf[mine], share.ravel()[cells], rtol=1e-5, atol=3.0 * UNIT)
+        drawn = np.bincount(cells, minlength=grid.size)[share.ravel() > 0.0]
+        assert chi_square([*drawn, 0], share[share > 0.0]) > SIGNIFICANCE
+    for along in rest:
+        counts, _ = np.histogram(along, 20, (0.0, 1.0))
+        assert chi_square([*counts, 0], np.full(20, 0.05)) > SIGNIFICANCE
 
 
 def test_improbable_cells_keep_their_units_and_all_of_their_places():

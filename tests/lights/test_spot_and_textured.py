@@ -10,7 +10,7 @@ from alight.formats import loads
 from alight.lights.hits import emitted
 from alight.lights.sampling import sample_light
 from alight.lights.spot import EXAMPLES, Spot, mean_color
-from alight.lights.tables import STRIDE, TEXTURED
+from alight.lights.tables import MAPPED, STRIDE, TEXTURED
 from alight.scene.flatten import PlacedLight, flatten
 from alight.scene.transform import rotate, translate
 from alight.shapes.surfaces import make_surface
@@ -142,7 +142,7 @@ def run(scene, kernel, *arguments):
 
 
 def test_samples_show_the_texture_of_the_point_that_they_hit(lamps):
-    assert lamps.program.lights == ("area", TEXTURED)
+    assert lamps.program.lights == ("area", TEXTURED, MAPPED)
     u = np.random.default_rng(1).random((3, N), np.float32)
     o = vec(np.zeros((3, N)))
     active = np.ones(N, bool)

@@ -23,6 +23,14 @@ integrator: {type: path, max_depth: 1}
 camera: {type: orthographic, height: 8, transform: {translate: [0, 0, 9]}}
 """
 
+#: A lamp with one bright texel.
+PICTURE = "{type: area, radiance: {type: bitmap, pixels: [[1, 1, 50]]}}"
+
+
+def choosing_by(choice):
+    """`HEAD` with a way to choose lights."""
+    return HEAD.replace("max_depth: 1", f"max_depth: 1, light_choice: {choice}")
+
 
 def compiled(text, aovs=(), structure="list"):
     """A scene from the lines behind `HEAD`, or a whole one."""

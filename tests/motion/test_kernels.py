@@ -22,7 +22,7 @@ from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate, kernel
 from lanewise.simd import LANES, lanes, load_lanes, store_lanes, to_float, where
 from lanewise.view import View
-from tests.motion.moving import HEAD, compiled
+from tests.motion.moving import HEAD, PICTURE, choosing_by, compiled
 
 #: What kernels see of a scene that moves, at times of the rays.
 Seen = namedtuple("Seen", "shapes materials lights accel camera filter motions time")
@@ -239,10 +239,10 @@ def test_every_shape_that_can_move_is_in_the_scene(text):
     assert {shape.type_name() for shape in moving} >= kinds
 
 
-@pytest.mark.parametrize("choice", ["power", "tree"])
-def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density(choice):
+@pytest.mark.parametrize("choice, light", [("power", "area"), ("tree", "area"), ("tree", PICTURE)])
+def test_each_sample_of_a_moving_light_is_found_by_its_ray_with_the_same_density(choice, light):
     """Direction, distance, density and side agree with what intersection finds there and then."""
-    scene = compiled(HEAD.replace("max_depth: 1", f"max_depth: 1, light_choice: {choice}") + LAMPS)
+    scene = compiled(choosing_by(choice) + LAMPS.replace("light: area", f"light: {light}"))
     n = 8192
     o, _, time = rays(n, seed=8)
     rng = np.random.default_rng(9)

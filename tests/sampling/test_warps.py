@@ -7,6 +7,7 @@ from alight.core.warps import (
     cosine_hemisphere_pdf,
     direction_around_z,
     disk_pdf,
+    disk_to_square_concentric,
     square_to_cosine_hemisphere,
     square_to_disk_concentric,
     square_to_disk_polar,
@@ -14,9 +15,11 @@ from alight.core.warps import (
     square_to_uniform_cone,
     square_to_uniform_hemisphere,
     square_to_uniform_sphere,
+    triangle_to_square,
     uniform_cone_pdf,
     uniform_hemisphere_pdf,
     uniform_sphere_pdf,
+    uniform_sphere_to_square,
 )
 from lanewise.vec3 import Vec3
 from tests.sampling.materials import random_numbers
@@ -117,6 +120,25 @@ def test_polar_points_have_the_radius_and_the_angle_that_are_stated():
     turn = 2.0 * np.pi * u[1].astype(float)
     np.testing.assert_allclose(x * np.sin(turn), y * np.cos(turn), atol=1e-6)
     assert np.all(x * np.cos(turn) + y * np.sin(turn) >= 0.0)
+
+
+INVERSES = {
+    "disk": (square_to_disk_concentric, disk_to_square_concentric),
+    "triangle": (square_to_triangle, triangle_to_square),
+    "sphere": (lambda u2: (square_to_uniform_sphere(u2),), uniform_sphere_to_square),
+}
+
+
+@pytest.mark.parametrize("name", INVERSES)
+def test_inverses_lead_back_to_the_square(name):
+    warp, inverse = INVERSES[name]
+    for u in (square(5), corners_and_edges()):
+        back = np.stack(inverse(*warp(u))).astype(float)
+        off = np.abs(back - np.stack(u))
+        if name == "sphere":
+            # Once around is where it began; at the poles it is anywhere.
+            off[1] = np.minimum(off[1], 1.0 - off[1]) * (np.abs(u[0] - 0.5) < 0.499)
+        assert np.max(off) < 1e-6
 
 
 @pytest.mark.parametrize("warp", [square_to_disk_concentric, square_to_disk_polar])

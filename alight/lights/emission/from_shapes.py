@@ -12,47 +12,12 @@ from alight.core.frame import frame_from_normal, to_world
 from alight.core.vec import dot, normalize
 from alight.core.warps import square_to_cosine_hemisphere
 from alight.lights.hits import radiance_of_shape
+from alight.lights.shining import sample_area
 from alight.lights.tables import INFO, Emission
-from alight.shapes.hit import INFO as SHAPE_INFO
-from alight.shapes.hit import AreaSample, Hit, spawn_origin
-from alight.shapes.model import SHAPES, ShapeModel
+from alight.shapes.hit import Hit, spawn_origin
 from alight.shapes.surfaces import surface_from_rest
-from lanewise.jit import kernel, specialised
-from lanewise.simd import any_lane, gather, lanes, lanes_mask, lanes_u32, lanes_vec3, maximum, where
-
-
-@kernel
-def _nowhere(tables, cdf, start, shape, u, u2):
-    """An `AreaSample` of zeros in every lane."""
-    zero = lanes(0.0)
-    return AreaSample(lanes_vec3(0.0), zero, zero, lanes_u32(0), zero)
-
-
-def _by_kind(shapes: tuple[ShapeModel, ...]):
-    """A kernel that runs each shape's `sample_area` where it was chosen."""
-    if not shapes:
-        return _nowhere
-    own, number = shapes[0].sample_area, shapes[0].number
-    assert own is not None
-    if len(shapes) == 1:
-        return own
-    others = _by_kind(shapes[1:])
-
-    @kernel
-    def choose(tables, cdf, start, shape, u, u2):
-        result = others(tables, cdf, start, shape, u, u2)
-        mine = gather(tables.info, shape * SHAPE_INFO) == number
-        if any_lane(mine):
-            result = where(mine, own(tables, cdf, start, shape, u, u2), result)
-        return result
-
-    return choose
-
-
-@specialised
-def sample_area(program):
-    """``sample_area(tables, cdf, start, shape, u, u2) -> AreaSample``."""
-    return _by_kind(tuple(SHAPES[name] for name in program.light_shapes))
+from lanewise.jit import kernel
+from lanewise.simd import gather, lanes, lanes_mask, lanes_u32, lanes_vec3, maximum, where
 
 
 @kernel

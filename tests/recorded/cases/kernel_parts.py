@@ -16,8 +16,7 @@ from alight.guiding.parallax import Focus, focus_at, from_middle, from_point
 from alight.guiding.tables import FOCUS, LEAF_ROW
 from alight.laws.bodies import Body
 from alight.lights.emission.density import emission_density
-from alight.lights.emission.from_shapes import sample_area
-from alight.lights.shining import sample_shape
+from alight.lights.shining import sample_area, sample_shape
 from alight.rendering.tracing import contribution_recorder
 from alight.scene import flatten
 from alight.scene.transform import Transform, rotate, scale, translate
