@@ -268,6 +268,7 @@ def test_alternatives_are_the_other_choices():
         "integrator.russian_roulette=none",
         "integrator.light_choice=uniform",
         "integrator.light_choice=tree",
+        "integrator.type=bidirectional",
     }
     # Hidden lamps make another picture, which is no advice.
     assert "hide_emitters" in type(alight.load(SCENE).integrator).model_fields
@@ -275,6 +276,8 @@ def test_alternatives_are_the_other_choices():
         alight.load(SCENE), Part(depth=2, technique=TECHNIQUES[BY_LIGHT], light="lamp")
     )
     assert next(iter(lit)) == "integrator.light_choice=uniform"
+    # Paths from both ends find direct light as others do.
+    assert "integrator.type=bidirectional" not in lit
     # One light: there is nothing to choose.
     assert "integrator.light_choice=uniform" not in alternatives(alight.load("cornell-box"))
 
@@ -292,9 +295,8 @@ def test_advice_is_corrected_over_all_that_was_tried(monkeypatch):
     changes = dict.fromkeys("abcde")
     monkeypatch.setattr(trials, "alternatives", lambda scene, cause: changes)
     monkeypatch.setattr(
-        trials, "Sums", lambda arm: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
+        trials, "_sums_of", lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
     )
-    monkeypatch.setattr(trials, "_arm", lambda scene: None)
     monkeypatch.setattr(trials, "_measured", measured)
     tried, left = try_alternatives(alight.load(SCENE))
     assert not left
