@@ -27,6 +27,7 @@ from alight.integrators.model import INTEGRATORS
 from alight.integrators.walk import make_settings
 from alight.lab.replicates.measure import add_tiles, film_for, ranges_of
 from alight.lab.statistics.intervals import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
+from alight.lab.why.bright_samples import Decided, Squares, decided, squares_of
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
 from alight.lights.sampling import has_delta_lights
@@ -59,6 +60,9 @@ class Trial:
         Their product.
     p_value : float
         Of "the efficiency is the same", corrected for all trials (Holm).
+    bright : int
+        Samples that carry the noise of both, where they are too few to tell; else 0. The intervals
+        do not know of those that were not met.
     """
 
     change: str
@@ -66,6 +70,7 @@ class Trial:
     time: Estimate
     efficiency: Estimate
     p_value: float
+    bright: int = 0
 
     @property
     def helps(self) -> bool:
@@ -196,24 +201,27 @@ def try_alternatives(
     seeds = iter(np.random.SeedSequence((seed, 5)).generate_state(1000).tolist())
     own = _sums_of(scene)
     weights = relative_weights(own.of(next(seeds), PILOT, 1)[:, :, 0] / PILOT)
-    found: list[tuple[str, Ratio, Ratio, Ratio]] = []
+    found: list[tuple[str, Ratio, Ratio, Ratio, Decided]] = []
     left = []
     for change, other in alternatives(scene, cause).items():
         if time.perf_counter() - begin > limit:
             left.append(change)
             continue
         progress(change)
-        here, there = _measured((own, _sums_of(other)), weights, seeds)
+        (here, there), few = _measured((own, _sums_of(other)), weights, seeds)
         variance = log_ratio(here[0], there[0])
         # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
         both = log_ratio(here[0] + here[1], there[0] + there[1], paired=True)
-        found.append((change, variance, seconds, both))
-    p_values = holm_adjusted([both.p_value for _, _, _, both in found])
+        found.append((change, variance, seconds, both, few))
+    p_values = holm_adjusted([max(both.p_value, few.p_value) for *_, both, few in found])
     trials = [
-        Trial(change, variance.estimate, seconds.estimate, both.estimate, p)
-        for (change, variance, seconds, both), p in zip(found, p_values, strict=True)
-    ]
+        Trial(
+            change, variance.estimate, seconds.estimate, both.estimate, p,
+            few.samples if p >= LEVEL else 0,
+        )
+        for (change, variance, seconds, both, few), p in zip(found, p_values, strict=True)
+    ]  # fmt: skip
     return tuple(sorted(trials, key=lambda trial: -trial.efficiency.value)), tuple(left)
 
 
@@ -246,16 +254,22 @@ def _arm(scene: Scene) -> CompiledScene:
 
 def _measured(
     arms: tuple[Sums | FilmSums, ...], weights: np.ndarray, seeds: Iterator[int]
-) -> list[tuple[Statistic, Statistic]]:
-    """Logarithms of the variance of a replicate and of its processor time, for each arm."""
+) -> tuple[list[tuple[Statistic, Statistic]], Decided]:
+    """Logarithms of the variance of a replicate and of its processor time, for each of two arms.
+
+    And what few samples decide of them.
+    """
     for arm in arms:
         # Compiles, so that the times are of rendering alone.
         arm.of(next(seeds), 1, 1)
     variances, times = np.zeros((2, len(arms), BATCHES))
+    squares: list[list[Squares]] = [[] for _ in arms]
     for batch in range(BATCHES):
         for k, arm in enumerate(arms):
             begin = time.process_time()
             sums = arm.of(next(seeds), SPP * REPLICATES, REPLICATES)
             times[k, batch] = time.process_time() - begin
             variances[k, batch] = np.sum((sums / SPP).var(axis=2, ddof=1) * weights)
-    return [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)]
+            squares[k].append(squares_of(sums, weights))
+    found = [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)]
+    return found, decided(*squares)
