@@ -287,7 +287,7 @@ def test_advice_is_corrected_over_all_that_was_tried(monkeypatch):
     """Of five changes that do nothing, one looks good by chance every fifth time."""
     rng, raw = np.random.default_rng(2), []
 
-    def measured(arms, weights, seeds):
+    def measured(arms, weights, seeds, met):
         noise = rng.lognormal(0.0, 0.1, (2, 2, BATCHES))
         here, there = [(log_mean(variances), log_mean(times)) for variances, times in noise]
         raw.append(log_ratio(here[0] + here[1], there[0] + there[1], paired=True).p_value)

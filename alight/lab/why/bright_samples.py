@@ -2,8 +2,9 @@
 
 The jackknife over batches knows what batches have met. Light that one sample in a million brings
 may be in two batches of one arm and by chance in none of the other, which then seems to be quiet
-beyond doubt. But if both arms meet such samples equally often, each of them is as likely in either:
-how many are in the noisier one is binomial, and its tail bounds any p-value (the sign test).
+beyond doubt. But if both arms meet such samples equally often, each of them is in one or the other
+with a probability that is known, its part of the batches: how many are in one is binomial, and the
+tail bounds any p-value (a sign test, where both have as many batches).
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ CARRIED, FEW = 0.9, 64
 
 
 class Squares(NamedTuple):
-    """Weighted squared deviations of the replicates' pixels from their mean.
+    """Weighted squared deviations of the replicates from their mean, a sum for each pixel.
 
     Attributes
     ----------
@@ -58,7 +59,8 @@ def squares_of(sums: np.ndarray, weights: np.ndarray) -> Squares:
         Of squared deviations.
     """
     deviations = sums - sums.mean(axis=2, keepdims=True)
-    squares = (deviations**2 * weights[:, :, None]).sum(axis=3).ravel()
+    # Pixel by pixel: a bright sample moves the mean of all replicates, and is one sample.
+    squares = (deviations**2 * weights[:, :, None]).sum(axis=(2, 3)).ravel()
     return Squares(np.sort(squares)[::-1][:FEW], float(squares.sum()))
 
 
@@ -73,6 +75,6 @@ def decided(here: Sequence[Squares], there: Sequence[Squares]) -> Decided:
     if not len(enough) or enough[0] >= FEW or total <= 0.0:
         return Decided()
     count = int(enough[0]) + 1
-    mine = int(in_here[order[:count]].sum())
-    tail = sum(math.comb(count, k) for k in range(max(mine, count - mine), count + 1))
-    return Decided(count, min(1.0, 2.0 * tail / 2**count))
+    mine, share = int(in_here[order[:count]].sum()), len(here) / (len(here) + len(there))
+    part = [math.comb(count, k) * share**k * (1.0 - share) ** (count - k) for k in range(count + 1)]
+    return Decided(count, min(1.0, 2.0 * min(sum(part[: mine + 1]), sum(part[mine:]))))

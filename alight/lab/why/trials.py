@@ -203,12 +203,13 @@ def try_alternatives(
     weights = relative_weights(own.of(next(seeds), PILOT, 1)[:, :, 0] / PILOT)
     found: list[tuple[str, Ratio, Ratio, Ratio, Decided]] = []
     left = []
+    met: list[Squares] = []
     for change, other in alternatives(scene, cause).items():
         if time.perf_counter() - begin > limit:
             left.append(change)
             continue
         progress(change)
-        (here, there), few = _measured((own, _sums_of(other)), weights, seeds)
+        (here, there), few = _measured((own, _sums_of(other)), weights, seeds, met)
         variance = log_ratio(here[0], there[0])
         # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
@@ -218,7 +219,7 @@ def try_alternatives(
     trials = [
         Trial(
             change, variance.estimate, seconds.estimate, both.estimate, p,
-            few.samples if p >= LEVEL else 0,
+            few.samples if p >= LEVEL and few.p_value > both.p_value else 0,
         )
         for (change, variance, seconds, both, few), p in zip(found, p_values, strict=True)
     ]  # fmt: skip
@@ -253,11 +254,15 @@ def _arm(scene: Scene) -> CompiledScene:
 
 
 def _measured(
-    arms: tuple[Sums | FilmSums, ...], weights: np.ndarray, seeds: Iterator[int]
+    arms: tuple[Sums | FilmSums, ...],
+    weights: np.ndarray,
+    seeds: Iterator[int],
+    met: list[Squares],
 ) -> tuple[list[tuple[Statistic, Statistic]], Decided]:
     """Logarithms of the variance of a replicate and of its processor time, for each of two arms.
 
-    And what few samples decide of them.
+    And what few samples decide of them. The first of both is measured for each trial: `met` keeps
+    what it has met in all of them.
     """
     for arm in arms:
         # Compiles, so that the times are of rendering alone.
@@ -272,4 +277,5 @@ def _measured(
             variances[k, batch] = np.sum((sums / SPP).var(axis=2, ddof=1) * weights)
             squares[k].append(squares_of(sums, weights))
     found = [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)]
-    return found, decided(*squares)
+    met += squares[0]
+    return found, decided(met, squares[1])
