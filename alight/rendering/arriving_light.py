@@ -54,13 +54,7 @@ def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
     surface, wo = pilot.surface(seen.hit, seen.o, seen.d, seen.times)
     n = len(seen.point)
     p, normal = columns_of(lanes_of(surface.p, n)), columns_of(lanes_of(surface.ns, n))
-    near, reach = np.zeros((n, NEAREST), int), np.zeros((n, NEAREST))
-    x, y, z = np.ascontiguousarray(arrived.p.T)
-    for row in range(n):
-        squares = (x - p[row, 0]) ** 2 + (y - p[row, 1]) ** 2 + (z - p[row, 2]) ** 2
-        squares[np.abs(arrived.n @ normal[row]) < 0.5] = np.inf
-        near[row] = _least(squares)
-        reach[row] = squares[near[row]]
+    near, reach = _nearest(arrived, p, normal)
     widest = reach.max(axis=1)
     # The farthest of them has chosen the circle, so it is not counted.
     rows, columns = np.nonzero((reach < widest[:, None]) & np.isfinite(widest)[:, None])
@@ -78,19 +72,42 @@ def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
     return _by_size(some.point, some.cell, radiance, q)
 
 
-def _least(values: np.ndarray) -> np.ndarray:
-    """Where the `NEAREST` least values are, ascending.
+def _nearest(arrived: Arrived, p: np.ndarray, normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The `NEAREST` light paths around each point, on surfaces that face as it does.
 
-    Every sixteenth value is asked first: as many of these as are wanted bound them from above.
+    Returns
+    -------
+    near : (n, NEAREST) int
+        Rows of `arrived`, ascending.
+    reach : (n, NEAREST) float64
+        Squares of their distances, m^2; infinite where too few face as the point does.
     """
-    some = values[::NEAREST]
-    if len(some) >= NEAREST:
-        bound = np.partition(some, NEAREST - 1)[NEAREST - 1]
-        # A point that is not a number is near none, and the bound is none either.
-        rows = np.flatnonzero(~(values > bound))
-    else:
-        rows = np.arange(len(values))
-    return np.sort(rows[np.argpartition(values[rows], NEAREST - 1)[:NEAREST]])
+    order = np.argsort(arrived.p[:, 0], kind="stable")
+    every = np.ascontiguousarray(np.column_stack([arrived.p, arrived.n])[order].T)
+    few, x = np.ascontiguousarray(every[:, ::NEAREST]), every[0]
+
+    def squares(paths: np.ndarray, row: int) -> np.ndarray:
+        (px, py, pz), (u, v, w), (x, y, z, nx, ny, nz) = p[row], normal[row], paths
+        found = (x - px) ** 2 + (y - py) ** 2 + (z - pz) ** 2
+        found[np.abs(nx * u + ny * v + nz * w) < 0.5] = np.inf
+        return found
+
+    near, reach = np.zeros((len(p), NEAREST), int), np.zeros((len(p), NEAREST))
+    for row in range(len(p)):
+        # As many of every sixteenth as are wanted bound the distance: a slab holds the nearest.
+        some, part = squares(few, row), slice(None)
+        if len(some) >= NEAREST:
+            # A little wider, as squares are rounded.
+            side = 1.001 * np.sqrt(np.partition(some, NEAREST - 1)[NEAREST - 1])
+            # A point that is not a number is near none, whose bound is none either.
+            if np.isfinite(side):
+                low, high = p[row, 0] - side, p[row, 0] + side
+                part = slice(np.searchsorted(x, low), np.searchsorted(x, high, "right"))
+        found, rows = squares(every[:, part], row), order[part]
+        least = np.argpartition(found, NEAREST - 1)[:NEAREST]
+        least = least[np.argsort(rows[least])]
+        near[row], reach[row] = rows[least], found[least]
+    return near, reach
 
 
 def _by_size(

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import alight
 from alight.compiled.scene import compile_scene
-from alight.rendering.arriving_light import NEAREST, _least
+from alight.rendering.arriving_light import NEAREST, Arrived, _nearest
 from alight.rendering.light_behind_glass import light_behind_glass
 from alight.rendering.pilot_rays import POINTS
 from alight.rendering.schedules.stopping import Promise, judge_means
@@ -107,12 +108,21 @@ def test_nothing_is_found_without_a_mirror_or_where_paths_are_led_to_it(changes)
 
 
 @pytest.mark.parametrize("count", [NEAREST, 255, 256, 4000])
-def test_the_least_of_many_values_are_found(count):
-    values = np.random.default_rng(count).permutation(count).astype(float)
-    values[count // 2 :] = np.inf
-    assert set(values[_least(values)]) >= set(np.sort(values)[:NEAREST])
+def test_the_nearest_light_paths_are_those_of_a_list_of_all(count):
+    rng = np.random.default_rng(count)
+    # Rounded, so that many are at one distance and some at the point itself.
+    places, points = (rng.normal(size=(n, 3)).round(1) for n in (count, 40))
+    normals, own = (np.eye(3)[rng.integers(3, size=n)] for n in (count, 40))
     # A surface may be nowhere: what it sees is nothing, and ends no render.
-    assert len(_least(np.full(count, np.nan))) == NEAREST
+    places[0], points[0] = np.nan, np.nan
+    arrived = Arrived(places, normals, normals, normals, np.ones(count))
+    near, reach = _nearest(arrived, points, own)
+    squares = ((places - points[:, None]) ** 2).sum(2)
+    squares[np.abs(own @ normals.T) < 0.5] = np.inf
+    assert_allclose(np.sort(reach)[1:], np.sort(squares)[1:, :NEAREST], rtol=1e-12)
+    assert_allclose(np.take_along_axis(squares, near, 1)[1:], reach[1:], rtol=1e-12)
+    # In the order of the light paths, in which they are added up.
+    assert (np.diff(near[1:]) > 0).all()
 
 
 def test_a_picture_that_no_such_light_has_met_is_not_promised():

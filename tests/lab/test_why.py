@@ -30,6 +30,7 @@ from alight.integrators.contributions import (
 from alight.integrators.walk import make_settings
 from alight.lab.statistics.intervals import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials
+from alight.lab.why.bright_samples import Decided
 from alight.lab.why.shares import (
     BATCHES,
     REPLICATES,
@@ -268,6 +269,7 @@ def test_alternatives_are_the_other_choices():
         "integrator.russian_roulette=none",
         "integrator.light_choice=uniform",
         "integrator.light_choice=tree",
+        "integrator.type=bidirectional",
     }
     # Hidden lamps make another picture, which is no advice.
     assert "hide_emitters" in type(alight.load(SCENE).integrator).model_fields
@@ -275,6 +277,8 @@ def test_alternatives_are_the_other_choices():
         alight.load(SCENE), Part(depth=2, technique=TECHNIQUES[BY_LIGHT], light="lamp")
     )
     assert next(iter(lit)) == "integrator.light_choice=uniform"
+    # Paths from both ends find direct light as others do.
+    assert "integrator.type=bidirectional" not in lit
     # One light: there is nothing to choose.
     assert "integrator.light_choice=uniform" not in alternatives(alight.load("cornell-box"))
 
@@ -283,18 +287,17 @@ def test_advice_is_corrected_over_all_that_was_tried(monkeypatch):
     """Of five changes that do nothing, one looks good by chance every fifth time."""
     rng, raw = np.random.default_rng(2), []
 
-    def measured(arms, weights, seeds):
+    def measured(arms, weights, seeds, met):
         noise = rng.lognormal(0.0, 0.1, (2, 2, BATCHES))
         here, there = [(log_mean(variances), log_mean(times)) for variances, times in noise]
         raw.append(log_ratio(here[0] + here[1], there[0] + there[1], paired=True).p_value)
-        return [here, there]
+        return [here, there], Decided()
 
     changes = dict.fromkeys("abcde")
     monkeypatch.setattr(trials, "alternatives", lambda scene, cause: changes)
     monkeypatch.setattr(
-        trials, "Sums", lambda arm: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
+        trials, "_sums_of", lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
     )
-    monkeypatch.setattr(trials, "_arm", lambda scene: None)
     monkeypatch.setattr(trials, "_measured", measured)
     tried, left = try_alternatives(alight.load(SCENE))
     assert not left

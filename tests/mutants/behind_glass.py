@@ -70,6 +70,12 @@ BEHIND_GLASS = (
         f"{MIRRORS}::test_a_picture_that_no_such_light_has_met_is_not_promised",
     ),
     Mutant(
+        "a slab too narrow for the nearest light paths",
+        "rendering/arriving_light.py",
+        (("side = 1.001 * np.sqrt(", "side = 0.1 * np.sqrt("),),
+        f"{MIRRORS}::test_the_nearest_light_paths_are_those_of_a_list_of_all[4000]",
+    ),
+    Mutant(
         "what moves is looked at as the shutter opens",
         "rendering/pilot_rays.py",
         (("if not self.program.motion:", "if True:"),),

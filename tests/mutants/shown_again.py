@@ -31,6 +31,19 @@ SHOWN_AGAIN = (
         "tests/lab/test_why.py::test_alternatives_are_the_other_choices",
     ),
     Mutant(
+        "advice that shows caustics which the picture lacks",
+        "lab/why/trials.py",
+        (("if has_chains(program) and has_delta_lights(program):", "if False:"),),
+        "tests/lab/test_advice_from_both_ends.py::test_caustics_that_no_path_finds_are_another_picture",
+    ),
+    Mutant(
+        "advice from samples that one arm has missed by chance",
+        "lab/why/trials.py",
+        (("max(both.p_value, few.p_value)", "both.p_value"),),
+        "tests/lab/test_bright_samples.py::"
+        "test_sparks_that_one_arm_has_not_met_by_chance_are_no_advice",
+    ),
+    Mutant(
         "warnings of a film that come after its samples",
         "rendering/job.py",
         (("tuple(scene.warnings), self.largest_sample", "(), self.largest_sample"),),

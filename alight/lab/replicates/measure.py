@@ -55,7 +55,7 @@ def compiled_kernels(scene: CompiledScene) -> Kernels:
     kernels = make_kernels(scene)
     tile = tiles_of(film_for(scene, 0, 1).crop)[0]
     settings = make_settings(scene.integrator, seed=0, replicates=1, guide=scene.guide)
-    render_tile(kernels, scene, settings, tile, _ranges(tile, 0, 0))
+    render_tile(kernels, scene, settings, tile, ranges_of(tile, 0, 0))
     return kernels
 
 
@@ -89,7 +89,7 @@ def render_ladder(
 
     for spp in ladder:
         begin = time.thread_time()
-        parts = [(tile, _ranges(tile, done, spp - done)) for tile in tiles]
+        parts = [(tile, ranges_of(tile, done, spp - done)) for tile in tiles]
         seconds += add_tiles(threads, kernels, scene, settings, film, parts)
         seconds += time.thread_time() - begin
         done = spp
@@ -163,7 +163,7 @@ def film_for(scene: CompiledScene, seed: int, replicates: int) -> Film:
     return Film(*scene.size, crop=scene.crop, replicates=replicates, seed=seed)
 
 
-def _ranges(tile: Tile, first: int, count: int) -> np.ndarray:
+def ranges_of(tile: Tile, first: int, count: int) -> np.ndarray:
     """The same (first, count) for every 8x8 cell that a tile touches."""
     rows = -(-tile.y1 // CELL_SIZE) - tile.y0 // CELL_SIZE
     columns = -(-tile.x1 // CELL_SIZE) - tile.x0 // CELL_SIZE

@@ -1,10 +1,10 @@
 """Would another option lower the noise? Alternatives are rendered and measured, not guessed.
 
 Every choice that the scene's integrator and its environment have is tried by itself, with the
-scene's own sampler: the variance of a picture at equal samples, the processor time of its samples,
-and the efficiency, 1 / (variance x time), over that of the scene as it is. Batches of replicates
-are independent, so the jackknife over them gives an interval of the ratio
-(`alight.lab.statistics.intervals`).
+scene's own sampler, and so are paths from both ends where light comes by detours: the variance of a
+picture at equal samples, the processor time of its samples, and the efficiency, 1 / (variance x
+time), over that of the scene as it is. Batches of replicates are independent, so the jackknife over
+them gives an interval of the ratio (`alight.lab.statistics.intervals`).
 """
 
 from __future__ import annotations
@@ -17,15 +17,24 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 
 from alight.compiled.scene import CompiledScene, compile_scene
+from alight.core.errors import AlightError
 from alight.core.noise_only import noise_only_fields
-from alight.core.spec import Spec
+from alight.core.registry import default_of, specs_of
+from alight.core.spec import Integrator, Spec
 from alight.integrators.caustics.chain_types import has_chains
-from alight.integrators.contributions import BY_LIGHT
+from alight.integrators.contributions import BY_LIGHT, SEEN
+from alight.integrators.model import INTEGRATORS
+from alight.integrators.walk import make_settings
+from alight.lab.replicates.measure import add_tiles, film_for, ranges_of
 from alight.lab.statistics.intervals import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
+from alight.lab.why.bright_samples import Decided, Squares, decided, squares_of
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
 from alight.lights.sampling import has_delta_lights
 from alight.metrics.estimate import Estimate
+from alight.rendering.resources import usable_processors
+from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.tile import make_kernels
 from alight.scene import Scene, flatten
 
 #: Independent batches, replicates in each, samples a pixel of each replicate.
@@ -51,6 +60,9 @@ class Trial:
         Their product.
     p_value : float
         Of "the efficiency is the same", corrected for all trials (Holm).
+    bright : int
+        Samples that carry the noise of both, where they are too few to tell; else 0. The intervals
+        do not know of those that were not met.
     """
 
     change: str
@@ -58,6 +70,7 @@ class Trial:
     time: Estimate
     efficiency: Estimate
     p_value: float
+    bright: int = 0
 
     @property
     def helps(self) -> bool:
@@ -93,6 +106,8 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
                 continue
             shown = str(value).lower() if isinstance(value, bool) else value
             found[f"{path}.{name}={shown}"] = changed.from_source(scene.source)
+    if not _is_direct(cause):
+        found |= _from_both_ends(scene)
     first = {"light_choice", "sampling"} if _is_by_light(cause) else {"light_sampling", "heuristic"}
     program = compile_scene(flatten(small(scene))).program
     if scene.integrator.choice_of_lights == AUTO:
@@ -104,12 +119,42 @@ def alternatives(scene: Scene, cause: Part | None = None) -> dict[str, Scene]:
     if not has_chains(program) or has_delta_lights(program):
         # Nothing to look through, or light that no path finds: another picture, which is no advice.
         found.pop("integrator.caustics=manifold", None)
-    order = sorted(found, key=lambda key: key.split(".")[1].split("=")[0] not in first)
+    if has_chains(program) and has_delta_lights(program):
+        # Some of that light is found from both ends.
+        found = {key: other for key, other in found.items() if not other.integrator.splats}
+    names = {key: key.split(".")[1].split("=")[0] for key in found}
+    order = sorted(found, key=lambda key: (names[key] not in first, names[key] != "type"))
     return {key: found[key] for key in order}
 
 
 def _is_by_light(cause: Part | None) -> bool:
     return cause is not None and cause.technique == TECHNIQUES[BY_LIGHT]
+
+
+def _is_direct(cause: Part | None) -> bool:
+    """Whether it is light that paths from the camera find as well as any."""
+    ways = TECHNIQUES[SEEN], TECHNIQUES[BY_LIGHT]
+    return cause is not None and (cause.depth or 0) <= 2 and cause.technique in ways
+
+
+def _from_both_ends(scene: Scene) -> dict[str, Scene]:
+    """The same picture by paths from both ends, if there is one."""
+    own, found = scene.integrator, {}
+    # Others have shorter paths, and lights that the camera does not see are seen from both ends.
+    if type(own) is not type(default_of(Integrator)) or getattr(own, "hide_emitters", False):
+        return {}
+    for name, kind in specs_of(Integrator).items():
+        if INTEGRATORS[name].both_ends is None:
+            continue
+        fields = {key: value for key, value in own if key in kind.model_fields and key != "type"}
+        changed = scene.replaced(integrator=kind(**fields)).from_source(scene.source)
+        try:
+            compile_scene(flatten(small(changed)))
+        except AlightError:
+            # Light paths do not pass some materials.
+            continue
+        found[f"integrator.type={name}"] = changed
+    return found
 
 
 def _other_choices(spec: Spec) -> Iterator[tuple[str, Any]]:
@@ -154,27 +199,52 @@ def try_alternatives(
     begin = time.perf_counter()
     progress("the scene as it is")
     seeds = iter(np.random.SeedSequence((seed, 5)).generate_state(1000).tolist())
-    own = Sums(_arm(scene))
+    own = _sums_of(scene)
     weights = relative_weights(own.of(next(seeds), PILOT, 1)[:, :, 0] / PILOT)
-    found: list[tuple[str, Ratio, Ratio, Ratio]] = []
+    found: list[tuple[str, Ratio, Ratio, Ratio, Decided]] = []
     left = []
+    met: list[Squares] = []
     for change, other in alternatives(scene, cause).items():
         if time.perf_counter() - begin > limit:
             left.append(change)
             continue
         progress(change)
-        here, there = _measured((own, Sums(_arm(other))), weights, seeds)
+        (here, there), few = _measured((own, _sums_of(other)), weights, seeds, met)
         variance = log_ratio(here[0], there[0])
         # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
         both = log_ratio(here[0] + here[1], there[0] + there[1], paired=True)
-        found.append((change, variance, seconds, both))
-    p_values = holm_adjusted([both.p_value for _, _, _, both in found])
+        found.append((change, variance, seconds, both, few))
+    p_values = holm_adjusted([max(both.p_value, few.p_value) for *_, both, few in found])
     trials = [
-        Trial(change, variance.estimate, seconds.estimate, both.estimate, p)
-        for (change, variance, seconds, both), p in zip(found, p_values, strict=True)
-    ]
+        Trial(
+            change, variance.estimate, seconds.estimate, both.estimate, p,
+            few.samples if p >= LEVEL and few.p_value > both.p_value else 0,
+        )
+        for (change, variance, seconds, both, few), p in zip(found, p_values, strict=True)
+    ]  # fmt: skip
     return tuple(sorted(trials, key=lambda trial: -trial.efficiency.value)), tuple(left)
+
+
+class FilmSums:
+    """As `Sums`, of pictures to which light paths add."""
+
+    def __init__(self, scene: CompiledScene) -> None:
+        self.scene, self.kernels = scene, make_kernels(scene)
+
+    def of(self, seed: int, spp: int, replicates: int) -> np.ndarray:
+        """Sums (h, w, replicates, 3) of samples 0 to spp - 1, of which replicates have the same."""
+        scene, film = self.scene, film_for(self.scene, seed, replicates)
+        settings = make_settings(scene.integrator, seed=seed, replicates=replicates)
+        parts = [(tile, ranges_of(tile, 0, spp)) for tile in tiles_of(film.crop)]
+        add_tiles(usable_processors(), self.kernels, scene, settings, film, parts)
+        means, _ = film.replicate_means()
+        return means.astype(np.float64) * (spp / replicates)
+
+
+def _sums_of(scene: Scene) -> Sums | FilmSums:
+    arm = _arm(scene)
+    return FilmSums(arm) if scene.integrator.splats else Sums(arm)
 
 
 def _arm(scene: Scene) -> CompiledScene:
@@ -184,17 +254,28 @@ def _arm(scene: Scene) -> CompiledScene:
 
 
 def _measured(
-    arms: tuple[Sums, ...], weights: np.ndarray, seeds: Iterator[int]
-) -> list[tuple[Statistic, Statistic]]:
-    """Logarithms of the variance of a replicate and of its processor time, for each arm."""
+    arms: tuple[Sums | FilmSums, ...],
+    weights: np.ndarray,
+    seeds: Iterator[int],
+    met: list[Squares],
+) -> tuple[list[tuple[Statistic, Statistic]], Decided]:
+    """Logarithms of the variance of a replicate and of its processor time, for each of two arms.
+
+    And what few samples decide of them. The first of both is measured for each trial: `met` keeps
+    what it has met in all of them.
+    """
     for arm in arms:
         # Compiles, so that the times are of rendering alone.
         arm.of(next(seeds), 1, 1)
     variances, times = np.zeros((2, len(arms), BATCHES))
+    squares: list[list[Squares]] = [[] for _ in arms]
     for batch in range(BATCHES):
         for k, arm in enumerate(arms):
             begin = time.process_time()
             sums = arm.of(next(seeds), SPP * REPLICATES, REPLICATES)
             times[k, batch] = time.process_time() - begin
             variances[k, batch] = np.sum((sums / SPP).var(axis=2, ddof=1) * weights)
-    return [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)]
+            squares[k].append(squares_of(sums, weights))
+    found = [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)]
+    met += squares[0]
+    return found, decided(met, squares[1])

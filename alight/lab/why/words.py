@@ -90,6 +90,8 @@ def trial_lines(trials: Sequence[Trial], left: Sequence[str]) -> Iterator[str]:
 def _figures(trial: Trial) -> str:
     value, low, high = trial.efficiency
     variance, least, most = trial.variance
+    if trial.bright:
+        return f"unknown, as {trial.bright} bright samples carry the noise"
     return (
         f"variance / {variance:.3g} [{least:.3g}, {most:.3g}], "
         f"efficiency x {value:.3g} [{low:.3g}, {high:.3g}], corrected p = {trial.p_value:.2g}"
@@ -126,4 +128,5 @@ def trial_data(trial: Trial) -> dict[str, Any]:
         "efficiency_ratio": list(trial.efficiency),
         "corrected_p": trial.p_value,
         "helps": trial.helps,
+        "bright_samples": trial.bright,
     }
