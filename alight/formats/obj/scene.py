@@ -179,7 +179,7 @@ def _library(
         try:
             path = find(name, place, reach, report)
         except OutOfReachError as error:
-            report.approximate(f"{place}: {error}; its materials are grey")
+            report.approximate(f"{place}: its materials are grey: {error}")
             continue
         try:
             content = obj.decoded(content_of(path, MOST_LIBRARY_BYTES))
