@@ -19,8 +19,8 @@ _CLOSING = (")", "]", "}", "⟩", "⌋")
 _NAMESPACE = "http://www.w3.org/1998/Math/MathML"
 _TAG = re.compile(r"(<[^>]*>)")
 _UNTOUCHED = ("pre", "code", "math", "script", "style")
-_WITHIN_NUMBERS = re.compile(r"(?<=\d) (?=\d{3}(?!\d)|%)")
-_INTERVAL = re.compile(r"\[[-−+\d.\s]+, [-−+\d.\s]+\]")
+_WITHIN_NUMBERS = re.compile(r"(?<=\d)[ \N{THIN SPACE}](?=\d{3}(?!\d)|%)")
+_KEPT = {" ": "\N{NO-BREAK SPACE}", "\N{THIN SPACE}": "\N{NARROW NO-BREAK SPACE}"}
 
 
 def around_functions(formula: str) -> str:
@@ -48,7 +48,7 @@ def around_functions(formula: str) -> str:
 
 
 def within_numbers(page: str) -> str:
-    """Keep groups of digits, percentages and intervals of a page's text on one line."""
+    """Keep the digits of a number in a page's text on one line, and a percentage with its sign."""
     pieces = _TAG.split(page)
     depth = 0
     for k, piece in enumerate(pieces):
@@ -57,10 +57,7 @@ def within_numbers(page: str) -> str:
             if name in _UNTOUCHED:
                 depth += -1 if piece.startswith("</") else 1
         elif depth == 0:
-            kept = _WITHIN_NUMBERS.sub("\N{NO-BREAK SPACE}", piece)
-            pieces[k] = _INTERVAL.sub(
-                lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), kept
-            )
+            pieces[k] = _WITHIN_NUMBERS.sub(lambda found: _KEPT[found[0]], piece)
     return "".join(pieces)
 
 
