@@ -164,7 +164,8 @@ def test_what_only_some_faces_have_is_said():
 
 
 def test_faces_keep_their_texture_coordinates_beside_faces_without_any():
-    text = POINTS + "f 1/1 2/2 3/3\nf 3 4 1\nf 1/3 3 4/1\n"
+    points = POINTS.replace("vt 0 0\n", "vt 0.5 0.5\n")
+    text = points + "f 1/1 2/2 3/3\nf 3 4 1\nf 1/3 3 4/1\n"
     (node,) = nodes_of(parse(text.encode(), "a.obj")).values()
     mesh = node["shape"]
     corners = {
@@ -172,9 +173,9 @@ def test_faces_keep_their_texture_coordinates_beside_faces_without_any():
         for face in mesh.faces[:1]
         for row in face
     }
-    assert corners == {((0, 0), (0, 0)), ((1, 0), (1, 0)), ((1, 1), (1, 1))}
+    assert corners == {((0, 0), (0.5, 0.5)), ((1, 0), (1, 0)), ((1, 1), (1, 1))}
     np.testing.assert_array_equal(mesh.uvs[mesh.faces[1]], np.zeros((3, 2)))
-    np.testing.assert_array_equal(mesh.uvs[mesh.faces[2]], [[1, 1], [0, 0], [0, 0]])
+    np.testing.assert_array_equal(mesh.uvs[mesh.faces[2]], [[1, 1], [0, 0], [0.5, 0.5]])
     np.testing.assert_array_equal(
         mesh.vertices[mesh.faces.reshape(-1), :2],
         np.float32([[0, 0], [1, 0], [1, 1], [1, 1], [0, 1], [0, 0], [0, 0], [1, 1], [0, 1]]),
