@@ -23,6 +23,7 @@ from alight.meshes.triangles import MeshArrays, broken, srgb_to_linear
 
 LARGEST_INDEX = 2**31 - 1
 _KINDS = ("points", "texture coordinates", "normals")
+_IS_UV = np.array([False, True, False])
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
@@ -100,6 +101,9 @@ class Content:
     def mesh(self, faces: list[tuple[int, int]] | None = None) -> MeshArrays:
         """Make arrays of some faces.
 
+        Corners without texture coordinates among others with them are at (0, 0), as most programs
+        read them. Normals count only where every corner has one.
+
         Parameters
         ----------
         faces : list of (int, int), optional
@@ -110,7 +114,12 @@ class Content:
             keys = np.concatenate([keys[self._starts[a] : self._starts[b]] for a, b in faces])
             sizes = np.concatenate([sizes[a:b] for a, b in faces])
         triangles = cut_polygons(self.tables[b"v"][keys[:, 0]], sizes)[0].reshape(-1)
-        use_uvs, use_normals = (len(keys) > 0 and keys[:, i].min() >= 0 for i in (1, 2))
+        use_uvs = len(keys) > 0 and keys[:, 1].max() >= 0
+        use_normals = len(keys) > 0 and keys[:, 2].min() >= 0
+        uvs = self.tables[b"vt"]
+        if use_uvs and keys[:, 1].min() < 0:
+            keys = np.where((keys < 0) & _IS_UV, len(uvs), keys)
+            uvs = np.concatenate([uvs, np.zeros((1, 2), np.float32)])
         kept = [0, *([1] if use_uvs else []), *([2] if use_normals else [])]
         if faces is None and kept == [0]:
             rows, inverse = np.arange(len(self.tables[b"v"]))[:, None], keys[:, 0]
@@ -120,13 +129,12 @@ class Content:
             rows, found = _distinct(keys[used][:, kept])
             inverse = np.zeros(len(keys), np.int64)
             inverse[used] = found
-        tables = [self.tables[kind] for kind in (b"v", b"vt", b"vn")]
         columns = dict(zip(kept, rows.T, strict=True))
         return MeshArrays(
-            tables[0][columns[0]],
+            self.tables[b"v"][columns[0]],
             inverse[triangles].astype(np.int32).reshape(-1, 3),
-            tables[2][columns[2]] if use_normals else None,
-            tables[1][columns[1]] if use_uvs else None,
+            self.tables[b"vn"][columns[2]] if use_normals else None,
+            uvs[columns[1]] if use_uvs else None,
             None if self.colors is None else _filled(self.colors[columns[0]]),
         )
 

@@ -155,12 +155,31 @@ def test_what_only_some_faces_have_is_said():
         ]
 
     assert said("g a\nf 1/1 2/2 3/3\nf 1 3 4\n") == [
-        'a.obj: "a": only some faces have texture coordinates: none is used'
+        'a.obj: "a": only some faces have texture coordinates: the others take (0, 0)'
     ]
     assert said("f 1//1 2//1 3//1\nf 1 3 4\n") == [
         "a.obj: only some faces have normals: none is used"
     ]
     assert not said("g a\nf 1/1 2/2 3/3\ng b\nf 1 3 4\n")
+
+
+def test_faces_keep_their_texture_coordinates_beside_faces_without_any():
+    points = POINTS.replace("vt 0 0\n", "vt 0.5 0.5\n")
+    text = points + "f 1/1 2/2 3/3\nf 3 4 1\nf 1/3 3 4/1\n"
+    (node,) = nodes_of(parse(text.encode(), "a.obj")).values()
+    mesh = node["shape"]
+    corners = {
+        (tuple(mesh.vertices[row, :2]), tuple(mesh.uvs[row]))
+        for face in mesh.faces[:1]
+        for row in face
+    }
+    assert corners == {((0, 0), (0.5, 0.5)), ((1, 0), (1, 0)), ((1, 1), (1, 1))}
+    np.testing.assert_array_equal(mesh.uvs[mesh.faces[1]], np.zeros((3, 2)))
+    np.testing.assert_array_equal(mesh.uvs[mesh.faces[2]], [[1, 1], [0, 0], [0.5, 0.5]])
+    np.testing.assert_array_equal(
+        mesh.vertices[mesh.faces.reshape(-1), :2],
+        np.float32([[0, 0], [1, 0], [1, 1], [1, 1], [0, 1], [0, 0], [0, 0], [1, 1], [0, 1]]),
+    )
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from PIL import Image
 from alight.core.errors import SceneError
 from alight.formats.obj import mtl
 from alight.formats.obj.scene import parse
-from alight.formats.reading.reach import Reach
+from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report
 from alight.scene import flatten
 from tests.formats.bare import load
@@ -286,6 +286,28 @@ def test_names_that_no_library_holds_are_grey(tmp_path):
     assert len(found.data["bsdfs"]) == 2
     # So programs write that there is no index of refraction.
     assert "Ni 0: it is not an index of refraction" in found.notes
+
+
+def test_blenders_negative_exponents_are_the_widest_highlight(tmp_path):
+    def read(exponent):
+        (tmp_path / "a.mtl").write_text(f"newmtl red\nKs 1 1 1\nNs {exponent}\n")
+        return parse(OBJ, "a.obj", Reach(tmp_path))
+
+    found = read("-1.960784")
+    assert found.data["bsdfs"] == read("0").data["bsdfs"] != read("100").data["bsdfs"]
+    assert "Ns below 0: the highlight is as wide as at 0" in found.notes
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("a.mtl", ""), ("concrte.mtl", '; did you mean "concrete.mtl"?'), ("a.png", "")],
+)
+def test_only_files_of_a_kind_are_proposed(tmp_path, name, near):
+    for beside in ("a.obj", "concrete.mtl"):
+        (tmp_path / beside).write_bytes(OBJ)
+    with pytest.raises(OutOfReachError) as caught:
+        Reach(tmp_path).find(name)
+    assert str(caught.value) == f'no such file: "{name}"{near}'
 
 
 def test_texts_of_16_bits_and_points_alone():

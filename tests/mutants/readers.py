@@ -90,6 +90,13 @@ READERS = (
         f"{SPELLED}::test_corners_of_obj_files_count_from_the_start_or_from_the_end",
     ),
     Mutant(
+        "corners of OBJ files without coordinates take those of the first row",
+        "meshes/obj.py",
+        (("(keys < 0) & _IS_UV, len(uvs), keys)", "(keys < 0) & _IS_UV, 0, keys)"),),
+        "tests/formats/test_messy_obj.py::"
+        "test_faces_keep_their_texture_coordinates_beside_faces_without_any",
+    ),
+    Mutant(
         "headers of PLY with ends of lines of one kind",
         "meshes/ply_header.py",
         (('.replace("\\r", "\\n")', ""),),

@@ -105,6 +105,10 @@ def _statement(
         if key == "ni" and numbers == [0.0]:
             # So programs write that there is no index.
             report.drop("Ni 0: it is not an index of refraction")
+        elif key == "ns" and numbers and numbers[0] < 0.0:
+            # Blender wrote -1.96 for the widest highlight that it had.
+            report.drop("Ns below 0: the highlight is as wide as at 0")
+            entry.numbers[key] = 0.0
         elif numbers and not low <= numbers[0] <= high:
             report.problem(place, key, f"must be in [{low:g}, {high:g}], got {numbers[0]:g}")
         elif numbers:

@@ -45,6 +45,8 @@ _OF_DRAWING = dict.fromkeys(
     ),
     "plays no part",
 )  # fmt: skip
+#: What becomes of a group in which only some faces have something.
+_LACKING = {"texture coordinates": "the others take (0, 0)", "normals": "none is used"}
 _KNOWN = ("f", "g", "l", "mtllib", "o", "p", "s", "usemtl", "v", "vn", "vt")
 
 
@@ -177,7 +179,7 @@ def _library(
         try:
             path = find(name, place, reach, report)
         except OutOfReachError as error:
-            report.approximate(f"{place}: {error}; its materials are grey")
+            report.approximate(f"{place}: its materials are grey: {error}")
             continue
         try:
             content = obj.decoded(content_of(path, MOST_LIBRARY_BYTES))
@@ -193,7 +195,7 @@ def _mesh(content: obj.Content, part: _Part, name: str, report: Report) -> Trian
         return None
     for kind in content.partly(part.faces):
         group = f"{quote(part.group)}: " if part.group else ""
-        report.approximate(f"{name}: {group}only some faces have {kind}: none is used")
+        report.approximate(f"{name}: {group}only some faces have {kind}: {_LACKING[kind]}")
     try:
         mesh = mesh_of(arrays)
     except SceneError as error:

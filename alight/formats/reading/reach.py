@@ -14,8 +14,12 @@ from pathlib import Path, PureWindowsPath
 from typing import Any
 
 from alight.core.errors import join_path, nearest, quote
+from alight.outputs.texels import SUFFIXES
 from alight.scene.builtin.pictures import is_builtin
 from alight.scene.files import Files
+
+#: Files that only their like can be meant for, by their suffixes.
+_KINDS = (SUFFIXES, (".mtl",))
 
 
 class OutOfReachError(ValueError):
@@ -242,9 +246,15 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def _may_stand_for(entry: Path, path: Path) -> bool:
+    """Whether a file may be what a name meant: a picture for a picture, say."""
+    wanted = next((kind for kind in _KINDS if path.suffix.lower() in kind), ())
+    return not wanted or entry.suffix.lower() in wanted
+
+
 def _missing(path: Path, name: str) -> str:
     try:
-        beside = [entry.name for entry in path.parent.iterdir()]
+        beside = [entry.name for entry in path.parent.iterdir() if _may_stand_for(entry, path)]
     except OSError:
         return f"no such file: {quote(name)} (there is no folder {quote(path.parent.name)})"
     near = nearest(path.name, beside)
