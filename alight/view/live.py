@@ -35,6 +35,10 @@ from alight.view.pose import Pose
 #: Seconds without a move after which the camera is at rest.
 REST = 0.15
 
+#: Phases in which a render can go on to more samples, and all in which nothing is rendered.
+_COMPLETE = ("done", "stopped")
+_ENDED = (*_COMPLETE, "failed")
+
 #: Seconds to wait for a loop to end, and for the kernel that looks where a pixel is.
 _PATIENCE, _WAIT_FOR_LOOK = 2.0, 0.25
 
@@ -104,6 +108,7 @@ class LiveScene:
     layers : Layers or None
         What is to be seen now; None before the first samples.
     phase : {"compiling", "moving", "rendering", "done", "stopped", "failed"}
+        Of what was asked for last: nothing has ended before the loop has heard of it.
     problem : str
         Why it failed.
     job : Job or None
@@ -120,8 +125,10 @@ class LiveScene:
         self.movable = Movable(scene, options)
         self.pose = Pose.of(self.movable.flat.camera)
         self.layers: Layers | None = None
-        self.phase, self.problem = "compiling", ""
+        self._phase, self.problem = "compiling", ""
         self.job: Job | None = None
+        # Which view it is of.
+        self._number: int | None = None
         self._wish, self._cancel = Wish(), threading.Event()
         self._done: Wish | None = None
         self._news = threading.Condition()
@@ -147,6 +154,14 @@ class LiveScene:
     def scene(self) -> Scene:
         """The scene with its camera as it is now."""
         return self.movable.scene_from(self._wish.pose)
+
+    @property
+    def phase(self) -> str:
+        """How far what was asked for is."""
+        phase, wish = self._phase, self._wish
+        if phase not in _ENDED or wish is self._done:
+            return phase
+        return "moving" if wish.moves else "rendering"
 
     def move(self, change: Callable[[Pose], Pose]) -> None:
         """Move the camera; a pose of which no picture can be taken is left alone."""
@@ -263,14 +278,15 @@ class LiveScene:
         """Go on to twice the samples."""
         with self._news:
             job = self.job
-            if self.phase in ("done", "stopped") and job is not None:
+            if self.phase in _COMPLETE and job is not None:
                 target = max(2 * round(job.film.spp), 1)
                 self._ask(replace(self._wish, spp=target, stops=False))
 
     def stop(self) -> None:
         """End the render where it is."""
         with self._news:
-            if self.phase == "rendering":
+            # What is rendered may be a view from which the camera has moved on.
+            if self._phase == "rendering" and self._number == self._wish.number:
                 self._ask(replace(self._wish, stops=True))
 
     def close(self) -> None:
@@ -300,16 +316,14 @@ class LiveScene:
                     self._show_small(wish, cancel)
                     self._wait_for_rest(wish)
                 elif wish.stops:
-                    self._end()
-                    self._done = wish
+                    self._end(wish)
                 else:
                     self._settle(wish, cancel)
                     self._done = wish
             except Exception as error:
                 # The page outlives a view that cannot be rendered, and a bug of ours.
-                self.problem = _words(error)
+                self.problem, self._done = _words(error), wish
                 self._tell("failed")
-                self._done = wish
 
     def _wait_for_rest(self, wish: Wish) -> None:
         with self._news:
@@ -344,8 +358,8 @@ class LiveScene:
             return
         job.start(None)
         self.job, layers = job, GrowingLayers(job.film, self._small[1])
-        layers.number = wish.number
-        self.phase, told = "rendering", 0.0
+        self._number = layers.number = wish.number
+        self._phase, told = "rendering", 0.0
 
         def report() -> None:
             nonlocal told
@@ -365,29 +379,27 @@ class LiveScene:
         if not cancel.is_set():
             layers.film = job.film
             self.layers = layers
-            self._end()
+            self._end(wish)
 
     def _continued(self, wish: Wish) -> Job | None:
         """The job of the same view, if it only has to go on."""
         job = self.job
-        if job is None or wish.spp is None or self._small is None:
-            return None
-        if self._small[0] != wish.number:
+        if job is None or wish.spp is None or self._number != wish.number:
             return None
         job.schedule, job.goal = job.schedule.extended(wish.spp), None
         return job
 
-    def _end(self) -> None:
+    def _end(self, wish: Wish) -> None:
         """Complete a film as ``alight render`` does."""
         job = self.job
-        if job is None:
-            return
+        assert job is not None
         job.record_biases()
         job.film.stats = job.statistics({})
-        self._tell("stopped" if self._wish.stops else "done")
+        self._done = wish
+        self._tell("stopped" if wish.stops else "done")
 
     def _tell(self, phase: str) -> None:
-        self.phase = phase
+        self._phase = phase
         self._changed()
 
 
