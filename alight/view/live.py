@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from alight.core.errors import AlightError
-from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.outputs.picture import as_picture
 from alight.rendering.executors.blocks import Threads
@@ -28,8 +27,8 @@ from alight.rendering.job import Job
 from alight.rendering.main_loop import REPORT_EVERY, render_passes
 from alight.rendering.schedules.passes import Pace
 from alight.scene import Scene
-from alight.view.layers import PICTURE, FileLayers, FilmLayers, Layers
-from alight.view.movable import COARSER, Movable
+from alight.view.layers import FileLayers, GrowingLayers, Layers
+from alight.view.movable import Movable
 from alight.view.pose import Pose
 
 #: Seconds without a move after which the camera is at rest.
@@ -66,29 +65,6 @@ class Wish:
     moves: bool = False
     spp: int | None = None
     stops: bool = False
-
-
-class GrowingLayers(FilmLayers):
-    """A film that grows; pixels without a sample yet show the small picture of the same view."""
-
-    def __init__(self, film: Film, small: np.ndarray) -> None:
-        super().__init__(film)
-        self.small = small
-
-    def plane(self, name: str) -> np.ndarray:
-        """As of any film, but for the picture."""
-        if name != PICTURE:
-            return super().plane(name)
-        # The samples first: what comes between is in the image, though not yet told to be there.
-        empty = self.film.sample_count == 0
-        image = self.film.image
-        if empty.any():
-            y, x = np.nonzero(empty)
-            rows, columns = self.small.shape[:2]
-            image[y, x] = self.small[
-                np.minimum(y // COARSER, rows - 1), np.minimum(x // COARSER, columns - 1)
-            ]
-        return image
 
 
 class LiveScene:
