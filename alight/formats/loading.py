@@ -29,10 +29,11 @@ from alight.formats.scenes.missing import replace_missing
 from alight.formats.scenes.parsed import Parsed
 from alight.scene import plain_yaml
 from alight.scene.build import FORMAT_VERSION, Builder
+from alight.scene.checked import checked_files
 from alight.scene.description import Scene
 from alight.scene.manager import SceneManager
 from alight.scene.source import Recipe, Source
-from alight.scene.validation import checked_files, find_problems
+from alight.scene.validation import find_problems
 
 
 @known_words()

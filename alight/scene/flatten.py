@@ -14,6 +14,7 @@ from alight.core.registry import default_of
 from alight.core.spec import Bsdf, Camera, Integrator, Light, Medium, Sampler, Shape, Texture
 from alight.media.coefficients import Coefficients
 from alight.scene import images, volumes
+from alight.scene.checked import checked_files
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.files import Files
 from alight.scene.meshes import Geometry, geometry
@@ -21,7 +22,6 @@ from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.translucent_strands import strand_problems
-from alight.scene.validation import checked_files
 from alight.shapes.arrays import TriangleShape
 
 NO_GEOMETRY = -1

@@ -78,24 +78,6 @@ def find_problems(scene: Scene, files: Files | None = None) -> list[Issue]:
     return issues or body_problems(scene) + dispersion_problems(scene) + motion_problems(scene)
 
 
-def checked_files(scene: Scene) -> Files:
-    """The files of a scene that is right; it is looked at once.
-
-    Raises
-    ------
-    SceneError
-        With every problem of the scene.
-    """
-    files = scene.checked
-    if files is None:
-        files = scene.source.files()
-        issues = find_problems(scene, files)
-        if issues:
-            raise SceneError([scene.source.located(issue) for issue in issues])
-        scene.mark_checked(files)
-    return files
-
-
 @dataclass
 class _Checker:
     scene: Scene

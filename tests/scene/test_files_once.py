@@ -12,7 +12,7 @@ import alight
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays
 from alight.outputs.wraps import read_wraps
-from alight.scene import flatten, meshes, validation
+from alight.scene import checked, flatten, meshes
 from alight.scene.images import read_image
 from alight.scene.source import Source
 
@@ -200,9 +200,9 @@ def test_what_is_checked_is_not_checked_again(folder, name, monkeypatch):
 
 
 def test_a_scene_is_looked_at_once(folder, monkeypatch):
-    calls, find = [], validation.find_problems
+    calls, find = [], checked.find_problems
     monkeypatch.setattr(
-        validation, "find_problems", lambda *given: calls.append(given[0]) or find(*given)
+        checked, "find_problems", lambda *given: calls.append(given[0]) or find(*given)
     )
     scene = alight.load(folder / "scene.yaml", SMALL)
     edited = alight.changed(scene, {"environment.scale": 0.5})
