@@ -104,6 +104,8 @@ def test_what_is_stopped_is_the_picture_of_this_view(session, tmp_path):
         session.live._phase = "rendering"
         session.apply(protocol.Orbit(0.05, 0.02))
         session.apply(protocol.Stop())
+    wait_for(lambda: session.live.phase in ("done", "stopped"))
+    assert session.live.phase == "done"
     film = settled(session)
     same = alight.render(session.live.scene, spp=4, threads=1)
     assert content(film, tmp_path / "a.alight") == content(same, tmp_path / "b.alight")
