@@ -126,7 +126,8 @@ class FixedKernel:
     """A root kernel for arguments whose types do not change from call to call.
 
     For nested tuples of tables, looking at them takes longer than a small tile. Tuples that are
-    given again, as the same object, are not even taken apart.
+    given again, as the same object, are not even taken apart. A table that is an argument itself is
+    not kept: it may be most of the memory of whoever calls.
 
     Parameters
     ----------
@@ -144,6 +145,9 @@ class FixedKernel:
             self._entry = self.kernel.entry(arguments)
         known, parts = self._known, []
         for place, argument in enumerate(arguments):
+            if not isinstance(argument, tuple):
+                parts += leaves(argument)
+                continue
             kept = known.get(place)
             if kept is None or kept[0] is not argument:
                 # Whoever calls keeps what a tuple holds alive; a replaced pair does no harm.
@@ -174,13 +178,19 @@ def leaves(value: Any) -> Iterator[Any]:
 def kind_of(value: Any) -> str:
     """The type of an argument as far as compiled code depends on it."""
     if isinstance(value, View):
-        return f"View[{value.dtype}]"
+        return f"View[{_name_of(value.dtype)}]"
     if isinstance(value, tuple):
         name = f"{type(value).__qualname__}{getattr(value, '_fields', '')}"
         return f"{name}({', '.join(map(kind_of, value))})"
     if isinstance(value, np.generic):
-        return str(value.dtype)
+        return _name_of(value.dtype)
     return type(value).__qualname__
+
+
+@lru_cache(maxsize=32)
+def _name_of(dtype: np.dtype) -> str:
+    """The name of a type of numbers, which NumPy makes anew each time, as slowly as 30 calls."""
+    return str(dtype)
 
 
 # ---------------------------------------------------------------- on disk

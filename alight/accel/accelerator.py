@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from alight.accel.forest import Forest, own_box, placed, placed_boxes
+from alight.accel.forest import Forest, placed, placed_boxes
+from alight.accel.kept import own_box
 from alight.accel.layout import LIST, MOVING_LIST, TRIANGLES, kinds_in_order, number_of
 from alight.accel.lists import PAIRS, Accelerator
 from alight.accel.moving import MOVING_ROW, MovingAccelerator

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from alight.accel.build import build_bvh
-from alight.accel.kept import tree_of
+from alight.accel.kept import own_box, tree_of
 from alight.accel.layout import (
     BLOCK,
     CHILD,
@@ -205,13 +205,6 @@ def placed(one: Instance, vertices: np.ndarray, faces: np.ndarray) -> TriangleSe
         np.full(len(faces), one.shape, np.uint32),
         np.arange(len(faces), dtype=np.uint32),
     )
-
-
-def own_box(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Bounds of the vertices that the faces (F, 3) of a mesh use, (2, 3) float32, metres."""
-    used = np.zeros(len(vertices), bool)
-    used[faces.ravel()] = True
-    return np.array([vertices[used].min(axis=0), vertices[used].max(axis=0)])
 
 
 def placed_boxes(instances: list[Instance], boxes: Mapping[int, np.ndarray]) -> np.ndarray:

@@ -176,6 +176,7 @@ class _Compiler:
         self.ranges: dict[int, tuple[int, MeshRange]] = {}
         self.moving_ranges: dict[tuple[int, bytes], tuple[int, MeshRange, np.ndarray]] = {}
         self.extents: list[tuple[int, np.ndarray, np.ndarray]] = []
+        self.numbers: dict[str, int] = {}
         self.shared = self._find_shared()
 
     def _find_shared(self) -> set[int]:
@@ -217,7 +218,9 @@ class _Compiler:
     ) -> int:
         """Append a row to the tables and return its index."""
         index = len(self.rows)
-        self.info.append([SHAPES[kind].number, placed.bsdf, 0, self.offset, flags, *place])
+        if kind not in self.numbers:
+            self.numbers[kind] = SHAPES[kind].number
+        self.info.append([self.numbers[kind], placed.bsdf, 0, self.offset, flags, *place])
         self.data.append(row)
         self.offset += row.size
         self.rows.append(CompiledShape(kind, source, areas))

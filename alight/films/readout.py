@@ -15,7 +15,8 @@ import numpy as np
 
 from alight.films import statistics
 from alight.films.fixed_point import HIGH_UNIT, LOW_BITS, LOW_MASK, LOW_UNIT, MAX_SAMPLES
-from lanewise.jit import instantiate, kernel
+from lanewise.jit import StockKernel, instantiate, kernel
+from lanewise.machine_code import MachineCode
 from lanewise.view import View
 
 if TYPE_CHECKING:
@@ -88,8 +89,10 @@ def read_image(sums, counts, image, start, extent):
 
 @lru_cache(maxsize=2)
 def _compiled(text: Callable) -> Callable:
-    """Machine code; it is the same for all films."""
-    return instantiate(text)
+    """Machine code; it is the same for all films, and so are the types that it is given."""
+    kernel = instantiate(text)
+    assert isinstance(kernel, MachineCode | StockKernel)
+    return kernel.fixed()
 
 
 def by_bands(film: Film, statistic: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:

@@ -147,6 +147,9 @@ def cells_with(pairs: np.ndarray) -> np.ndarray:
     -------
     ndarray of object, shape (cells_y, cells_x)
     """
+    if pairs.size and (pairs == pairs[0, 0]).all():
+        first, count = pairs[0, 0].tolist()
+        return np.full(pairs.shape[:2], SampleRanges([(first, first + count)]), dtype=object)
     known: dict[tuple[int, int], SampleRanges] = {}
     cells = []
     for first, count in pairs.reshape(-1, 2).tolist():
@@ -159,9 +162,12 @@ def cells_with(pairs: np.ndarray) -> np.ndarray:
 def union_of_cells(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Unite two grids of equal shape, cell by cell (refuses overlap as `SampleRanges.union`)."""
     # By identity: most cells share their object, and tiles are added often.
+    ours, theirs = a.ravel().tolist(), b.ravel().tolist()
+    if ours and all(cells.count(cells[0]) == a.size for cells in (ours, theirs)):
+        return np.full(a.shape, _union(ours[0], theirs[0]), dtype=object)
     known: dict[tuple[int, int], SampleRanges] = {}
     cells = []
-    for held, added in zip(a.flat, b.flat, strict=True):
+    for held, added in zip(ours, theirs, strict=True):
         pair = id(held), id(added)
         if pair not in known:
             known[pair] = _union(held, added)

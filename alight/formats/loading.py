@@ -29,6 +29,7 @@ from alight.formats.scenes.missing import replace_missing
 from alight.formats.scenes.parsed import Parsed
 from alight.scene import plain_yaml
 from alight.scene.build import FORMAT_VERSION, Builder
+from alight.scene.checked import checked_files
 from alight.scene.description import Scene
 from alight.scene.manager import SceneManager
 from alight.scene.source import Recipe, Source
@@ -244,18 +245,20 @@ def _built(data: Any, found: list[Issue], source: Source, check: bool) -> Scene:
     """A scene of plain data, and problems found so far."""
     builder = Builder(found)
     scene = builder.scene(data).from_source(source)
-    issues = builder.issues
+    issues, files = builder.issues, source.files()
     # After a wrong top level nothing is left to check.
     if isinstance(data, dict) and (check or issues):
         # Where something is wrong stands what takes its place: its problems are nobody's.
         wrong = [issue.path for issue in issues]
         issues += [
             issue
-            for issue in find_problems(scene)
+            for issue in find_problems(scene, files)
             if not any(is_at_or_below(path, issue.path) for path in wrong)
         ]
     if issues:
         raise SceneError([issue if issue.place else source.located(issue) for issue in issues])
+    if check and isinstance(data, dict):
+        scene.mark_checked(files)
     return scene
 
 
@@ -338,9 +341,7 @@ def changed(scene: Scene, changes: Mapping[str, Any] | tuple[str, ...] | list[st
     _check_assignments(changes)
     for assignment in changes:
         manager.set_value(_with_camera_path(manager.scene, assignment))
-    issues = find_problems(manager.scene)
-    if issues:
-        raise SceneError([manager.scene.source.located(issue) for issue in issues])
+    checked_files(manager.scene)
     return manager.scene
 
 

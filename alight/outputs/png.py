@@ -140,8 +140,12 @@ def _filtered(rows: np.ndarray, pixel_bytes: int) -> bytes:
     # The size of a difference modulo 256, without a wider copy: min(x, 256 - x).
     cost = [np.minimum(c, -c).sum(axis=1, dtype=np.int64) for c in candidates]
     best = np.argmin(cost, axis=0)
-    lines = np.choose(best[:, None], candidates)
-    return np.concatenate([best.astype(np.uint8)[:, None], lines], axis=1).tobytes()
+    lines = np.zeros((len(rows), 1 + rows.shape[1]), np.uint8)
+    lines[:, 0] = best
+    for kind, candidate in enumerate(candidates):
+        chosen = best == kind
+        lines[chosen, 1:] = candidate[chosen]
+    return lines.tobytes()
 
 
 def chunk(kind: bytes, data: bytes) -> bytes:

@@ -31,6 +31,7 @@ from alight.core.spec import (
 )
 from alight.media.coefficients import shines
 from alight.outputs import html
+from alight.scene.files import Files
 from alight.scene.source import Memory, Source
 from alight.scene.transform import IDENTITY, Transform
 
@@ -260,6 +261,7 @@ class Scene(Spec):
     nodes: Annotated[dict[str, Node], Named("node")] = {}
     _source: Source = PrivateAttr(default_factory=Source)
     _memory: Memory = PrivateAttr(default_factory=Memory)
+    _checked: Files | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _default_sees_media(self) -> Self:
@@ -310,8 +312,17 @@ class Scene(Spec):
     def from_source(self, source: Source) -> Scene:
         """Copy the scene, with another origin."""
         copy = self.model_copy()
-        copy._source = source
+        copy._source, copy._checked = source, None
         return copy
+
+    @property
+    def checked(self) -> Files | None:
+        """The files by which the scene was found to be right; None where nobody has looked yet."""
+        return self._checked
+
+    def mark_checked(self, files: Files) -> None:
+        """Note that nothing is wrong with the scene, whose files are these: it never changes."""
+        self._checked = files
 
     @property
     def warnings(self) -> tuple[str, ...]:

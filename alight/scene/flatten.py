@@ -14,6 +14,7 @@ from alight.core.registry import default_of
 from alight.core.spec import Bsdf, Camera, Integrator, Light, Medium, Sampler, Shape, Texture
 from alight.media.coefficients import Coefficients
 from alight.scene import images, volumes
+from alight.scene.checked import checked_files
 from alight.scene.description import VACUUM, FilmSettings, Node, Scene
 from alight.scene.files import Files
 from alight.scene.meshes import Geometry, geometry
@@ -21,7 +22,6 @@ from alight.scene.motion import NOWHERE, Motion
 from alight.scene.strands import with_arrays
 from alight.scene.transform import Matrix
 from alight.scene.translucent_strands import strand_problems
-from alight.scene.validation import find_problems
 from alight.shapes.arrays import TriangleShape
 
 NO_GEOMETRY = -1
@@ -157,10 +157,7 @@ def flatten(scene: Scene, before: FlatScene | None = None) -> FlatScene:
     SceneError
         With every problem of the scene.
     """
-    files = scene.source.files()
-    issues = find_problems(scene, files)
-    if issues:
-        raise SceneError([scene.source.located(issue) for issue in issues])
+    files = checked_files(scene)
     camera = place_camera(scene)
     shutter = camera.camera.shutter
     same_times = before is not None and before.camera.camera.shutter == shutter
@@ -190,7 +187,7 @@ def flatten(scene: Scene, before: FlatScene | None = None) -> FlatScene:
         warnings=list(scene.warnings),
         media=flattener.media,
         start_medium=start_medium,
-        notes=files.notes,
+        notes=list(files.notes),
         by_node=flattener.by_node,
     )
 

@@ -18,6 +18,9 @@ from alight.outputs.picture import Picture, as_picture
 #: The layer that is the picture itself, and those that every film has.
 PICTURE, ERROR, SAMPLES = "picture", "error", "samples"
 
+#: Sides of a full picture over those of the picture while the camera moves.
+COARSER = 4
+
 #: A pixel's error is relative to the larger of its value and this share of the picture's mean.
 DARKEST = 0.1
 
@@ -79,6 +82,29 @@ class FilmLayers(Layers):
         }  # fmt: skip
         found |= {name: film.aov(name)[y, x] for name in film.aov_channels}
         return {name: _numbers(value) for name, value in found.items()}
+
+
+class GrowingLayers(FilmLayers):
+    """A film that grows; pixels without a sample yet show the small picture of the same view."""
+
+    def __init__(self, film: Film, small: np.ndarray) -> None:
+        super().__init__(film)
+        self.small = small
+
+    def plane(self, name: str) -> np.ndarray:
+        """As of any film, but for the picture."""
+        if name != PICTURE:
+            return super().plane(name)
+        # The samples first: what comes between is in the image, though not yet counted.
+        empty = self.film.sample_count == 0
+        image = self.film.image
+        if empty.any():
+            y, x = np.nonzero(empty)
+            rows, columns = self.small.shape[:2]
+            image[y, x] = self.small[
+                np.minimum(y // COARSER, rows - 1), np.minimum(x // COARSER, columns - 1)
+            ]
+        return image
 
 
 class FileLayers(Layers):

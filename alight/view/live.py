@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from alight.core.errors import AlightError
-from alight.films import Film
 from alight.options.render import RenderOptions
 from alight.outputs.picture import as_picture
 from alight.rendering.executors.blocks import Threads
@@ -28,12 +27,16 @@ from alight.rendering.job import Job
 from alight.rendering.main_loop import REPORT_EVERY, render_passes
 from alight.rendering.schedules.passes import Pace
 from alight.scene import Scene
-from alight.view.layers import PICTURE, FileLayers, FilmLayers, Layers
-from alight.view.movable import COARSER, Movable
+from alight.view.layers import FileLayers, GrowingLayers, Layers
+from alight.view.movable import Movable
 from alight.view.pose import Pose
 
 #: Seconds without a move after which the camera is at rest.
 REST = 0.15
+
+#: Phases in which a render can go on to more samples, and all in which nothing is rendered.
+_COMPLETE = ("done", "stopped")
+_ENDED = (*_COMPLETE, "failed")
 
 #: Seconds to wait for a loop to end, and for the kernel that looks where a pixel is.
 _PATIENCE, _WAIT_FOR_LOOK = 2.0, 0.25
@@ -64,29 +67,6 @@ class Wish:
     stops: bool = False
 
 
-class GrowingLayers(FilmLayers):
-    """A film that grows; pixels without a sample yet show the small picture of the same view."""
-
-    def __init__(self, film: Film, small: np.ndarray) -> None:
-        super().__init__(film)
-        self.small = small
-
-    def plane(self, name: str) -> np.ndarray:
-        """As of any film, but for the picture."""
-        if name != PICTURE:
-            return super().plane(name)
-        # The samples first: what comes between is in the image, though not yet counted.
-        empty = self.film.sample_count == 0
-        image = self.film.image
-        if empty.any():
-            y, x = np.nonzero(empty)
-            rows, columns = self.small.shape[:2]
-            image[y, x] = self.small[
-                np.minimum(y // COARSER, rows - 1), np.minimum(x // COARSER, columns - 1)
-            ]
-        return image
-
-
 class LiveScene:
     """A scene, rendered for as long as somebody looks.
 
@@ -104,6 +84,7 @@ class LiveScene:
     layers : Layers or None
         What is to be seen now; None before the first samples.
     phase : {"compiling", "moving", "rendering", "done", "stopped", "failed"}
+        Of what was asked for last: nothing has ended before the loop has heard of it.
     problem : str
         Why it failed.
     job : Job or None
@@ -120,8 +101,10 @@ class LiveScene:
         self.movable = Movable(scene, options)
         self.pose = Pose.of(self.movable.flat.camera)
         self.layers: Layers | None = None
-        self.phase, self.problem = "compiling", ""
+        self._phase, self.problem = "compiling", ""
         self.job: Job | None = None
+        # Which view it is of.
+        self._number: int | None = None
         self._wish, self._cancel = Wish(), threading.Event()
         self._done: Wish | None = None
         self._news = threading.Condition()
@@ -147,6 +130,14 @@ class LiveScene:
     def scene(self) -> Scene:
         """The scene with its camera as it is now."""
         return self.movable.scene_from(self._wish.pose)
+
+    @property
+    def phase(self) -> str:
+        """How far what was asked for is."""
+        phase, wish = self._phase, self._wish
+        if phase not in _ENDED or wish is self._done:
+            return phase
+        return "moving" if wish.moves else "rendering"
 
     def move(self, change: Callable[[Pose], Pose]) -> None:
         """Move the camera; a pose of which no picture can be taken is left alone."""
@@ -263,14 +254,15 @@ class LiveScene:
         """Go on to twice the samples."""
         with self._news:
             job = self.job
-            if self.phase in ("done", "stopped") and job is not None:
+            if self.phase in _COMPLETE and job is not None:
                 target = max(2 * round(job.film.spp), 1)
                 self._ask(replace(self._wish, spp=target, stops=False))
 
     def stop(self) -> None:
         """End the render where it is."""
         with self._news:
-            if self.phase == "rendering":
+            # What is rendered may be a view from which the camera has moved on.
+            if self._phase == "rendering" and self._number == self._wish.number:
                 self._ask(replace(self._wish, stops=True))
 
     def close(self) -> None:
@@ -300,16 +292,14 @@ class LiveScene:
                     self._show_small(wish, cancel)
                     self._wait_for_rest(wish)
                 elif wish.stops:
-                    self._end()
-                    self._done = wish
+                    self._end(wish)
                 else:
                     self._settle(wish, cancel)
                     self._done = wish
             except Exception as error:
                 # The page outlives a view that cannot be rendered, and a bug of ours.
-                self.problem = _words(error)
+                self.problem, self._done = _words(error), wish
                 self._tell("failed")
-                self._done = wish
 
     def _wait_for_rest(self, wish: Wish) -> None:
         with self._news:
@@ -344,8 +334,8 @@ class LiveScene:
             return
         job.start(None)
         self.job, layers = job, GrowingLayers(job.film, self._small[1])
-        layers.number = wish.number
-        self.phase, told = "rendering", 0.0
+        self._number = layers.number = wish.number
+        self._phase, told = "rendering", 0.0
 
         def report() -> None:
             nonlocal told
@@ -365,29 +355,27 @@ class LiveScene:
         if not cancel.is_set():
             layers.film = job.film
             self.layers = layers
-            self._end()
+            self._end(wish)
 
     def _continued(self, wish: Wish) -> Job | None:
         """The job of the same view, if it only has to go on."""
         job = self.job
-        if job is None or wish.spp is None or self._small is None:
-            return None
-        if self._small[0] != wish.number:
+        if job is None or wish.spp is None or self._number != wish.number:
             return None
         job.schedule, job.goal = job.schedule.extended(wish.spp), None
         return job
 
-    def _end(self) -> None:
+    def _end(self, wish: Wish) -> None:
         """Complete a film as ``alight render`` does."""
         job = self.job
-        if job is None:
-            return
+        assert job is not None
         job.record_biases()
         job.film.stats = job.statistics({})
-        self._tell("stopped" if self._wish.stops else "done")
+        self._done = wish
+        self._tell("stopped" if wish.stops else "done")
 
     def _tell(self, phase: str) -> None:
-        self.phase = phase
+        self._phase = phase
         self._changed()
 
 

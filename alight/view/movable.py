@@ -26,11 +26,9 @@ from alight.rendering.tiles.tile_kernel import Tile
 from alight.rendering.training.guide_training import is_to_be_guided, untrained
 from alight.scene import FlatScene, Scene
 from alight.scene.flatten import PlacedCamera
+from alight.view.layers import COARSER
 from alight.view.pose import Pose
 from lanewise.view import View
-
-#: Sides of a full picture over those of the picture while the camera moves.
-COARSER = 4
 
 
 class Movable:

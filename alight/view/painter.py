@@ -19,6 +19,7 @@ from alight.view.contrast import DIVIDER, contrast, waits
 from alight.view.frames import frame
 from alight.view.layers import PICTURE, Layers
 from alight.view.look import Look
+from alight.view.mailbox import STATE
 from alight.view.session import Session
 from alight.view.shades import shaded
 
@@ -105,13 +106,15 @@ class Painter:
 
     def _paint(self) -> None:
         session = self.session
+        # Before the picture: what is said to be done is then the picture of which it is said.
+        told: dict[str, Any] = session.progress()
         layers, look = session.layers, session.look
-        scale, told = None, {}
+        scale = None
         if layers is not None:
             plane, label = self._plane(layers, look)
             done = shaded(_name(layers, look), plane, look.display)
             scale = None if done.low is None or done.high is None else (done.low, done.high)
-            told = {"denoised": label}
+            told["denoised"] = label
             self._send("frame", frame(0, layers.number, done.rgba))
         # Before the error, which takes longer than a frame.
         self._tell(scale, told)
@@ -161,7 +164,7 @@ class Painter:
 
     def _tell(self, scale: tuple[float, float] | None, told: dict[str, Any]) -> None:
         state = self.session.state(self._error and self._error[1], scale, **told)
-        self._send("state", json.dumps(state, allow_nan=False))
+        self._send(STATE, json.dumps(state, allow_nan=False))
 
     def _estimate(self) -> bool:
         """Work the error of the film out anew, now and then while it grows; say if it was."""

@@ -144,9 +144,7 @@ class Session:
             "is": "state",
             "title": self.title,
             "kind": "scene" if live else "film" if film else "picture",
-            "number": self.number,
             "size": list(live.movable.window[2:] if live else layers.size if layers else (1, 1)),
-            "phase": live.phase if live else "done",
             "problem": live.problem if live else "",
             "layers": list(names),
             "layer": self.look.layer if self.look.layer in names else PICTURE,
@@ -172,7 +170,11 @@ class Session:
             found["promised"] = error.promised
         if live and self.editor:
             found |= _of_render(live) | self.editor.state()
-        return found | shown
+        return found | self.progress() | shown
+
+    def progress(self) -> dict[str, Any]:
+        """Which view is asked for, and how far it is, as plain JSON."""
+        return {"number": self.number, "phase": self.live.phase if self.live else "done"}
 
     # ------------------------------------------------------------------------ what is asked for
 

@@ -182,3 +182,14 @@ def test_only_the_instance_that_moves_is_put_into_its_place_anew(monkeypatch):
     assert asked[2:] == [(0.0, 3.0, 0.0)]
     fresh = compile_scene(flatten(copy.deepcopy(moved)), content_hash(moved))
     assert bits(now.tables) == bits(fresh.tables)
+
+
+def test_the_box_of_a_mesh_is_found_once():
+    vertices, faces = np.eye(3, dtype=np.float32), np.array([[0, 1, 0]], np.int32)
+    # A vertex that no face uses is not in the box, nor is an array that may change kept.
+    assert kept_trees.own_box(vertices, faces).tolist() == [[0, 0, 0], [1, 1, 0]]
+    vertices[0] *= 2.0
+    assert kept_trees.own_box(vertices, faces).tolist() == [[0, 0, 0], [2, 1, 0]]
+    for array in (vertices, faces):
+        array.flags.writeable = False
+    assert kept_trees.own_box(vertices, faces) is kept_trees.own_box(vertices, faces)

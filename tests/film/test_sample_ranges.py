@@ -1,5 +1,6 @@
 """Sets of sample indices against Python sets."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,6 +10,7 @@ from alight.films.sample_ranges import (
     EMPTY,
     SampleRanges,
     cells_of,
+    cells_with,
     empty_cells,
     union_of_cells,
 )
@@ -62,6 +64,34 @@ def test_text_names_the_last_sample():
 def test_cells_cover_the_film_from_its_corner():
     assert empty_cells(17, 8).shape == (1, 3)
     assert cells_of(4, 8, 5, 16) == (slice(1, 3), slice(0, 2))
+
+
+def grid(cells):
+    made = empty_cells(16, 16)
+    made.reshape(-1)[:] = cells
+    return made
+
+
+few = st.builds(SampleRanges, st.sampled_from([(), [(0, 4)], [(8, 12)]]))
+more = st.builds(SampleRanges, st.sampled_from([(), [(4, 8)], [(12, 16)]]))
+
+
+@given(
+    *(
+        one.flatmap(lambda one, kind=kind: st.lists(st.just(one) | kind, min_size=4, max_size=4))
+        for kind, one in ((few, few), (more, more))
+    )
+)
+def test_cells_are_united_whether_or_not_they_are_alike(a, b):
+    united = union_of_cells(grid(a), grid(b))
+    assert united.ravel().tolist() == [x.union(y) for x, y in zip(a, b, strict=True)]
+
+
+@given(st.lists(st.sampled_from([(0, 4), (4, 4), (0, 8)]), min_size=4, max_size=4))
+def test_cells_are_made_whether_or_not_they_are_alike(pairs):
+    cells = cells_with(np.array(pairs).reshape(2, 2, 2))
+    made = [SampleRanges([(first, first + count)]) for first, count in pairs]
+    assert cells.shape == (2, 2) and cells.ravel().tolist() == made
 
 
 def test_cells_are_united_one_by_one():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import weakref
 from collections import namedtuple
 
 import llvmlite.binding as llvm
@@ -61,6 +62,16 @@ def test_fixed_calls_see_what_changed():
         call(outer._replace(word=np.uint32(word)), Vec3(0.0, 0.0, 0.0), 1.0, word, result)
         assert result.array[[0, 3, 8]].tolist() == [8, word, word]
     assert out.array[8] == 3
+
+
+def test_fixed_calls_keep_no_table_that_is_an_argument_itself():
+    """The sums of a film are such a table, and machine code that reads films is kept for ever."""
+    call, out = instantiate(write_arguments).fixed(), View(np.zeros(9, np.float32))
+    outer = Outer(Inner(View(np.int32([8])), 1), True, (), np.uint32(2))
+    call(outer, Vec3(0.0, 0.0, 0.0), 1.0, 5, out)
+    memory = weakref.ref(out.shaped)
+    del out
+    assert memory() is None
 
 
 def test_a_pickled_kernel_needs_neither_compiler_nor_cache(monkeypatch, tmp_path):

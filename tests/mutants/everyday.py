@@ -191,7 +191,7 @@ EVERYDAY = (
     ),
     Mutant(
         "a small picture that is as wide as it is high",
-        "view/live.py",
+        "view/layers.py",
         (("np.minimum(x // COARSER, columns - 1)", "np.minimum(x // COARSER, rows - 1)"),),
         f"{LAYERS}::test_pixels_without_a_sample_show_the_small_picture[size0]",
     ),

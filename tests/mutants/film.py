@@ -27,9 +27,15 @@ FILM = (
     Mutant(
         "cells taken to be alike where their goals are",
         "rendering/schedules/passes.py",
-        (("            if all(cell is one for cell in held.flat):\n", "            if True:\n"),),
+        (("            if cells.count(cells[0]) == len(cells):\n", "            if True:\n"),),
         "tests/rendering/test_passes.py"
         "::test_the_gaps_of_cells_whether_or_not_they_are_alike[False]",
+    ),
+    Mutant(
+        "cells taken to hold alike where tiles add alike",
+        "films/sample_ranges.py",
+        (("for cells in (ours, theirs)", "for cells in (theirs,)"),),
+        "tests/film/test_sample_ranges.py::test_cells_are_united_whether_or_not_they_are_alike",
     ),
     Mutant(
         "the same scramble for all replicates",

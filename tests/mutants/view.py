@@ -19,6 +19,30 @@ VIEW = (
         f"{SESSION}::test_the_settled_film_is_that_of_a_render[plain]",
     ),
     Mutant(
+        "a render that goes on for another view",
+        "view/live.py",
+        (("wish.spp is None or self._number != wish.number", "wish.spp is None"),),
+        f"{SESSION}::test_a_camera_that_moves_after_more_samples_gives_its_own_picture",
+    ),
+    Mutant(
+        "a view that has moved on is stopped by a late key",
+        "view/live.py",
+        ((' and self._number == self._wish.number:', ":"),),
+        f"{SESSION}::test_what_is_stopped_is_the_picture_of_this_view",
+    ),
+    Mutant(
+        "a state ahead of the pictures that it tells of",
+        "view/mailbox.py",
+        (("sorted(self._newest, key=STATE.__eq__)", "sorted(self._newest, key=STATE.__ne__)"),),
+        f"{SERVER}::test_a_state_is_never_ahead_of_the_pictures_before_it",
+    ),
+    Mutant(
+        "a new view is done as the old one was",
+        "view/live.py",
+        (("if phase not in _ENDED or wish is self._done:", "if True:"),),
+        f"{SESSION}::test_nothing_is_done_before_the_loop_has_heard_of_it",
+    ),
+    Mutant(
         "sockets for the pages of strangers",
         "view/access.py",
         (('origin in (f"http://{host}", f"https://{host}") and ', ""),),
@@ -106,7 +130,7 @@ VIEW = (
     ),
     Mutant(
         "counts of a growing film read after its picture",
-        "view/live.py",
+        "view/layers.py",
         ((
             "empty = self.film.sample_count == 0\n        image = self.film.image",
             "image = self.film.image\n        empty = self.film.sample_count == 0",

@@ -12,8 +12,9 @@ import alight
 from alight.meshes import ply
 from alight.meshes.triangles import MeshArrays
 from alight.outputs.wraps import read_wraps
-from alight.scene import meshes
+from alight.scene import checked, flatten, meshes
 from alight.scene.images import read_image
+from alight.scene.source import Source
 
 #: All of a scene is read, whatever its integrator looks at; this one compiles soonest.
 SMALL = ("film.size=[4, 4]", "integrator={type: ambient_occlusion}")
@@ -196,6 +197,25 @@ def test_what_is_checked_is_not_checked_again(folder, name, monkeypatch):
     scene = alight.load(folder / name, SMALL)
     alight.render(scene, spp=1)
     assert len(calls) == 1
+
+
+def test_a_scene_is_looked_at_once(folder, monkeypatch):
+    calls, find = [], checked.find_problems
+    monkeypatch.setattr(
+        checked, "find_problems", lambda *given: calls.append(given[0]) or find(*given)
+    )
+    scene = alight.load(folder / "scene.yaml", SMALL)
+    edited = alight.changed(scene, {"environment.scale": 0.5})
+    notes = [flatten(edited).notes for _ in range(2)]
+    assert len([one for one in calls if one is edited]) == 1 and notes[0] == notes[1]
+    # What is made from it, or said to lie in another folder, may be wrong.
+    for other in (
+        edited.replaced(camera=None).made_from(edited),
+        edited.from_source(Source(folder=folder / "elsewhere")),
+    ):
+        assert other.checked is None
+        with pytest.raises(alight.SceneError):
+            flatten(other)
 
 
 def test_a_file_that_was_missing_is_found_when_it_is_there(folder):

@@ -57,6 +57,7 @@ def opened(browser, address, width=1200, script=""):
     page.add_init_script(script)
     page.goto(address)
     page.wait_for_selector(SETTLED, timeout=300_000)
+    until(page, "Number(document.body.dataset.frames) > 0")
     return page, errors
 
 
@@ -66,6 +67,18 @@ def until(page, script, seconds=60.0):
     while not page.evaluate(script):
         assert time.monotonic() < end, script
         page.wait_for_timeout(20)
+
+
+def seen(page, act):
+    """Do what asks for another view, and wait for its finished picture.
+
+    Before the page has heard of the act, what it shows is finished, too.
+    """
+    before = view_of(page)
+    act()
+    until(page, f"Number(document.body.dataset.view) > {before}")
+    page.wait_for_selector(SETTLED)
+    until(page, "document.body.dataset.drawn === document.body.dataset.view")
 
 
 def view_of(page):

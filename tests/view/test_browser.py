@@ -16,6 +16,7 @@ from tests.view.browsing import (
     launched,
     opened,
     pixels_of,
+    seen,
     served,
     until,
     view_of,
@@ -47,13 +48,9 @@ def test_every_control_of_a_scene(browser):
         assert re.match("column 2[34], row 1[56]; red", page.inner_text("#where"))
 
         def moves(act):
-            before, picture = view_of(page), pixels_of(page)
-            act()
-            until(page, f"Number(document.body.dataset.view) > {before}")
-            page.wait_for_selector(SETTLED)
-            until(page, "document.body.dataset.drawn === document.body.dataset.view")
-            page.wait_for_timeout(100)
-            assert pixels_of(page) != picture
+            picture = pixels_of(page)
+            seen(page, act)
+            until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
 
         def drag(button="left"):
             page.mouse.move(*middle)
@@ -75,7 +72,7 @@ def test_every_control_of_a_scene(browser):
             picture = pixels_of(page)
             page.select_option("#layer", layer)
             until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
-            assert page.input_value("#layer") == layer
+            until(page, f"document.getElementById('layer').value === '{layer}'")
             scaled = layer in ("error", "samples", "depth")
             page.wait_for_selector("#scale", state="visible" if scaled else "hidden")
         page.fill("#exposure", "2")
@@ -107,34 +104,27 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         cut = f"{boxes}.some((box) => box.scrollWidth > box.clientWidth)"
         assert not page.evaluate(cut)
         box = page.locator("[aria-label=reflectance] input[type=text]").first
-        before, picture = view_of(page), pixels_of(page)
+        picture = pixels_of(page)
         box.fill("0,2")
-        box.press("Enter")
-        until(page, f"Number(document.body.dataset.view) > {before}")
-        until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
+        seen(page, lambda: box.press("Enter"))
+        assert pixels_of(page) != picture
         box.fill("1.5")
         box.press("Enter")
         page.wait_for_selector(".wrong >> text=must be in [0, 1], got 1.5")
         assert box.get_attribute("aria-invalid") == "true"
-        page.fill("[aria-label=reflectance] input[type=color]", "#ff0000")
+        seen(page, lambda: page.fill("[aria-label=reflectance] input[type=color]", "#ff0000"))
         page.wait_for_selector(".wrong", state="hidden")
         page.focus("#tree")
         page.keyboard.press("ArrowDown")
         assert page.get_attribute("#tree [aria-selected=true]", "data-path") != "bsdfs.white"
         while page.is_enabled("#undo"):
             # The button tells of the last edit only once the page has heard of it.
-            before = view_of(page)
-            page.click("#undo")
-            until(page, f"Number(document.body.dataset.view) > {before}")
-        page.wait_for_selector(SETTLED)
-        until(page, f"document.getElementById('shown').toDataURL() === '{picture}'")
+            seen(page, lambda: page.click("#undo"))
+        assert pixels_of(page) == picture
 
         page.click("#tree [data-path='camera']")
-        before = view_of(page)
-        page.locator("#fields input[type=range]").first.fill("50")
-        until(page, f"Number(document.body.dataset.view) > {before}")
-        page.click("#undo")
-        page.wait_for_selector(SETTLED)
+        seen(page, lambda: page.locator("#fields input[type=range]").first.fill("50"))
+        seen(page, lambda: page.click("#undo"))
 
         page.click("#tabs >> text=Inspect")
         stage = page.locator("#picture").bounding_box()
@@ -148,11 +138,9 @@ def test_the_scene_is_edited_inspected_and_compared(browser):
         page.mouse.move(stage["x"] + 220, stage["y"] + 160, steps=3)
         page.mouse.up()
         page.wait_for_selector("#why:enabled")
-        page.click("#part")
-        page.wait_for_selector("#whole:visible")
-        page.click("#whole")
+        seen(page, lambda: page.click("#part"))
+        seen(page, lambda: page.click("#whole"))
         page.wait_for_selector("#whole", state="hidden")
-        page.wait_for_selector(SETTLED)
 
         page.click("#tabs >> text=Display")
         picture = pixels_of(page)
@@ -191,11 +179,13 @@ def test_a_click_focuses_and_the_command_of_the_picture_can_be_copied(browser):
         picture = pixels_of(page)
         page.click("#focus")
         assert page.get_attribute("#focus", "aria-pressed") == "true"
+        before = view_of(page)
         page.mouse.click(*middle)
         page.wait_for_selector("#focus-at >> text=/Focus at [34].* m/", timeout=300_000)
-        until(page, f"document.getElementById('shown').toDataURL() !== '{picture}'")
-        # A coarse picture comes first, and the command is hidden when the next one begins.
+        # The command is hidden when the next picture begins.
+        until(page, f"Number(document.body.dataset.view) > {before}")
         page.wait_for_selector(SETTLED)
+        assert pixels_of(page) != picture
         assert page.get_attribute("#focus", "aria-pressed") == "false"
         page.click("#saves >> text=Command")
         page.wait_for_selector("#command")
@@ -242,9 +232,8 @@ def test_two_browsers_see_the_same_and_a_narrow_window_holds_everything(browser)
         other, more_errors = opened(browser, address, width=400)
         one.keyboard.press("ArrowRight")
         for page in (one, other):
-            until(page, "document.body.dataset.drawn === '1'")
+            until(page, "document.body.dataset.view === '1'")
             page.wait_for_selector(SETTLED)
-        one.wait_for_timeout(300)
         assert pixels_of(one) == pixels_of(other)
         assert other.evaluate("document.documentElement.scrollWidth") <= 400
         assert other.evaluate("document.getElementById('panel').scrollWidth") <= 400

@@ -6,8 +6,14 @@ import pytest
 import alight
 from alight.films import Film
 from alight.outputs.picture import Picture
-from alight.view.layers import PICTURE, FileLayers, FilmLayers, relative_error
-from alight.view.live import COARSER, GrowingLayers
+from alight.view.layers import (
+    COARSER,
+    PICTURE,
+    FileLayers,
+    FilmLayers,
+    GrowingLayers,
+    relative_error,
+)
 
 
 @pytest.mark.parametrize("count", range(1, 7))

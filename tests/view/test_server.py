@@ -1,5 +1,6 @@
 """The page and its socket: who is let in, and that nothing that is said brings it down."""
 
+import asyncio
 import json
 import re
 
@@ -14,6 +15,7 @@ from alight.outputs.picture import as_picture
 from alight.view import serve
 from alight.view.access import HEADERS, Access
 from alight.view.layers import FileLayers
+from alight.view.mailbox import Mailbox
 from alight.view.server import application
 from alight.view.session import Session
 from tests.view.looking import cornell, settled, wait_for
@@ -133,6 +135,26 @@ def test_exposure_brightens_the_picture_for_all_who_look(client):
             '{"do": "develop", "exposure": 2, "tone_map": "none", "white_balance": "none"}'
         )
         wait_for(lambda: receive(other, "frame")[16:] > before[16:], 20)
+
+
+def test_a_state_is_never_ahead_of_the_pictures_before_it():
+    """Nor does a browser that is slow hear of pictures alone."""
+
+    async def heard(sent):
+        mailbox, found = Mailbox(), []
+        for number in range(1, 40):
+            for kind in ("frame", "kept", "state"):
+                mailbox.post(kind, f"{kind} {number}")
+            await asyncio.sleep(0)
+            found += [await mailbox.next() for _ in range(sent)]
+        return [tuple(message.split()) for message in found]
+
+    for sent in (1, 2, 3):
+        newest = {"frame": 0, "kept": 0, "state": 0}
+        for kind, number in asyncio.run(heard(sent)):
+            newest[kind] = int(number)
+            assert newest["state"] <= min(newest["frame"], newest["kept"])
+        assert min(newest.values()) > 20
 
 
 def test_ten_thousand_malformed_messages_leave_the_server_alive(client):

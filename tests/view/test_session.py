@@ -73,6 +73,44 @@ def test_more_samples_go_on_from_those_that_are_there(session, tmp_path):
     assert content(film, tmp_path / "a.alight") == content(whole, tmp_path / "b.alight")
 
 
+def test_a_camera_that_moves_after_more_samples_gives_its_own_picture(session, tmp_path):
+    """The render that went on is not that of the next view, which has as many samples."""
+    settled(session)
+    session.apply(protocol.More())
+    wait_for(lambda: session.film.spp == 8)
+    settled(session)
+    session.apply(protocol.Orbit(0.05, 0.02))
+    film = settled(session)
+    same = alight.render(session.live.scene, spp=8, threads=1)
+    assert content(film, tmp_path / "a.alight") == content(same, tmp_path / "b.alight")
+
+
+def test_nothing_is_done_before_the_loop_has_heard_of_it(session):
+    settled(session)
+    # The loop waits.
+    with session.live._news:
+        session.apply(protocol.Orbit(0.05, 0.02))
+        assert session.state(None, None)["phase"] == "moving"
+        session.apply(protocol.Rest())
+        assert session.state(None, None)["phase"] == "rendering"
+    settled(session)
+    assert session.state(None, None)["phase"] == "done"
+
+
+def test_what_is_stopped_is_the_picture_of_this_view(session, tmp_path):
+    """A key that is pressed before the loop has heard of the move stops nothing."""
+    settled(session)
+    with session.live._news:
+        session.live._phase = "rendering"
+        session.apply(protocol.Orbit(0.05, 0.02))
+        session.apply(protocol.Stop())
+    wait_for(lambda: session.live.phase in ("done", "stopped"))
+    assert session.live.phase == "done"
+    film = settled(session)
+    same = alight.render(session.live.scene, spp=4, threads=1)
+    assert content(film, tmp_path / "a.alight") == content(same, tmp_path / "b.alight")
+
+
 def test_a_thousand_moves_end_with_the_picture_of_the_last(session, tmp_path):
     settled(session)
     draw = np.random.default_rng(3)

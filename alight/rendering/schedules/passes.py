@@ -42,9 +42,9 @@ class Work:
         asked = goal.first[window], goal.count[window]
         held = film.cells[window]
         if held.size and all(part.min() == part.max() for part in asked):
-            one = held.flat[0]
-            if all(cell is one for cell in held.flat):
-                gap = first_gap(one, int(asked[0].flat[0]), int(asked[1].flat[0]))
+            cells = held.ravel().tolist()
+            if cells.count(cells[0]) == len(cells):
+                gap = first_gap(cells[0], int(asked[0].flat[0]), int(asked[1].flat[0]))
                 self.next[window], self.end[window] = gap
                 return
         # Cells that hold the same samples share one object: by it a gap is known without a hash.
