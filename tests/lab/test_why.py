@@ -17,16 +17,8 @@ from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import carry, to_float
 from alight.formats import loads
 from alight.integrators.contributions import (
-    BY_BSDF,
-    BY_DELTA,
-    BY_LIGHT,
-    FIELDS,
-    SEEN,
-    Log,
-    as_found,
-    can_record,
-    write,
-)
+    BY_BSDF, BY_DELTA, BY_LIGHT, FIELDS, SEEN, Log, as_found, can_record, write,
+)  # fmt: skip
 from alight.integrators.walk import make_settings
 from alight.lab.statistics.intervals import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials

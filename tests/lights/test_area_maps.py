@@ -10,7 +10,7 @@ from alight.formats import loads
 from alight.lights.area_map import START, share_of, square_of
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.sampling import sample_light
-from alight.lights.tables import STRIDE, TEXTURED
+from alight.lights.tables import MAPPED, STRIDE, TEXTURED
 from alight.scene.flatten import flatten
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
@@ -145,6 +145,13 @@ def test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_
 def test_even_pictures_have_no_map(shape):
     scene = lamp(shape, pixels=[[2.0, 2.0], [2.0, 2.0]])
     assert scene.program.lights == ("area", TEXTURED)
+
+
+@pytest.mark.parametrize(("bright", "is_mapped"), [(5.0, False), (7.0, True)])
+def test_a_map_gains_half_of_the_mean_square_or_there_is_none(bright, is_mapped):
+    # Two halves, 1 and b: even points gain 2 (1 + b^2) / (1 + b)^2, which is 1.44 and 1.56.
+    scene = lamp("rectangle", pixels=[[1.0, bright]], more="interpolation: nearest")
+    assert (MAPPED in scene.program.lights) == is_mapped
 
 
 def test_lamps_are_known_by_the_part_of_the_picture_that_they_show():

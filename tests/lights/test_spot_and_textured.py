@@ -97,7 +97,7 @@ camera: {}
 textures:
   picture:
     type: bitmap
-    pixels: [[[6, 3, 1], [0, 0.5, 2], [4, 4, 4]], [[0, 0, 0], [8, 0, 0], [0, 5, 0]]]
+    pixels: [[[6, 3, 1], [0, 0.5, 2], [4, 4, 4]], [[0, 0, 0], [90, 0, 0], [0, 5, 0]]]
   grey: {type: constant, color: 0.25}
 nodes:
   rectangle:
@@ -159,7 +159,7 @@ def test_samples_show_the_texture_of_the_point_that_they_hit(lamps):
     same = np.isclose(sampled, seen, rtol=1e-3, atol=2e-3).all(0)
     for shape in range(6):
         mine = found & (surface.shape == shape)
-        assert mine.sum() > 100
+        assert mine.sum() > 40
         # Edges of checkers, and the seam of the spheres.
         assert same[mine].mean() > 0.99
         assert np.ptp(sampled[1][mine]) > 0.1 or shape == 5
@@ -167,7 +167,7 @@ def test_samples_show_the_texture_of_the_point_that_they_hit(lamps):
 
 
 def test_lamps_are_chosen_by_their_mean_radiance(lamps):
-    texel = np.mean([[6, 3, 1], [0, 0.5, 2], [4, 4, 4], [0, 0, 0], [8, 0, 0], [0, 5, 0]], 0)
+    texel = np.mean([[6, 3, 1], [0, 0.5, 2], [4, 4, 4], [0, 0, 0], [90, 0, 0], [0, 5, 0]], 0)
     weights = [0.212671, 0.715160, 0.072169]
     pmf = lamps.tables.lights.data.array.reshape(-1, STRIDE)[:, 3]
     assert pmf[0] / pmf[5] == pytest.approx(texel @ weights * 1.6 / (0.25 * np.pi), rel=1e-4)
