@@ -37,8 +37,8 @@ CELLS_PER_DETAIL, MOST_CELLS = 2, 512
 #: Least and most points along a side, and most on all triangles of a mesh together.
 LEAST_POINTS, MOST_POINTS, MOST_ON_MESH = 128, 2048, 1 << 22
 
-#: Least gain in the mean square of a sample: what a map costs in time where nearly all of it goes to
-#: the lamp.
+#: Least gain in the mean square of a sample: the time that a map costs where nearly all of it goes
+#: to the lamp.
 LEAST_GAIN = 1.5
 
 #: Where a texture does not say how fine it is: details per unit of (u, v).

@@ -16,9 +16,8 @@ from alight.compiled.program import Program
 from alight.compiled.scene import compile_scene
 from alight.films.fixed_point import carry, to_float
 from alight.formats import loads
-from alight.integrators.contributions import (
-    BY_BSDF, BY_DELTA, BY_LIGHT, FIELDS, SEEN, Log, as_found, can_record, write,
-)  # fmt: skip
+from alight.integrators import contributions as noted
+from alight.integrators.contributions import FIELDS, SEEN, Log, as_found, can_record, write
 from alight.integrators.walk import make_settings
 from alight.lab.statistics.intervals import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials
@@ -100,7 +99,7 @@ def test_contributions_add_up_to_the_picture(recorded):
     ]
     sums = np.stack(sums, axis=-1).reshape(height, width, 2, 3)
     np.testing.assert_allclose(sums, picture, rtol=2e-5, atol=2e-5)
-    assert set(found.how.tolist()) == {SEEN, BY_BSDF, BY_DELTA, BY_LIGHT}
+    assert set(found.how.tolist()) == {SEEN, noted.BY_BSDF, noted.BY_DELTA, noted.BY_LIGHT}
     assert set(found.light.tolist()) == {0, 1, 2}
     assert found.depth.max() == 6
     assert ((found.depth == 1) == (found.how == SEEN)).all()
@@ -173,7 +172,7 @@ def batch(rng, means):
     value = np.array(values, np.float32)[:, None].repeat(3, axis=1)
     where, replicate, kinds = (np.array(v) for v in (where, replicate, kinds))
     found = Contributions(
-        where, replicate, kinds + 2, kinds * 0 + BY_LIGHT, kinds, kinds * 0, value
+        where, replicate, kinds + 2, kinds * 0 + noted.BY_LIGHT, kinds, kinds * 0, value
     )
     sums = np.zeros((pixels, REPLICATES, 3))
     np.add.at(sums, (where, replicate), value.astype(float))
@@ -266,7 +265,7 @@ def test_alternatives_are_the_other_choices():
     # Hidden lamps make another picture, which is no advice.
     assert "hide_emitters" in type(alight.load(SCENE).integrator).model_fields
     lit = alternatives(
-        alight.load(SCENE), Part(depth=2, technique=TECHNIQUES[BY_LIGHT], light="lamp")
+        alight.load(SCENE), Part(depth=2, technique=TECHNIQUES[noted.BY_LIGHT], light="lamp")
     )
     assert next(iter(lit)) == "integrator.light_choice=uniform"
     # Paths from both ends find direct light as others do.
