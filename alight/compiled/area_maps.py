@@ -35,7 +35,7 @@ from lanewise.view import View
 CELLS_PER_DETAIL, MOST_CELLS = 2, 512
 
 #: Least and most points along a side, and most on all triangles of a mesh together.
-LEAST_POINTS, MOST_POINTS, MOST_ON_MESH = 128, 2048, 1 << 22
+LEAST_POINTS, MOST_POINTS, MOST_ON_MESH = 128, 1024, 1 << 20
 
 #: Least gain in the mean square of a sample: the time that a map costs where nearly all of it goes
 #: to the lamp.
@@ -278,8 +278,9 @@ class _Lamp:
 def _cells(fineness: float) -> tuple[int, int]:
     """How many cells a side is cut into, and how many points each has along it."""
     wanted = max(1, int(np.ceil(CELLS_PER_DETAIL * fineness - 1e-2)))
-    each = -(-wanted // MOST_CELLS)
-    cells = -(-wanted // each)
+    cells = -(-wanted // -(-wanted // MOST_CELLS))
+    # A point for each texel.
+    each = int(np.ceil((fineness - 1e-2) / cells))
     return cells, min(max(2, each, -(-LEAST_POINTS // cells)), MOST_POINTS // cells)
 
 

@@ -122,7 +122,7 @@ def test_choices_among_moving_lights_follow_their_probabilities(place):
 def test_leaves_bound_their_lights_at_every_time():
     flat = flatten(loads(LAMPS % "tree", "scene.yaml"))
     shapes = compile_shapes(flat, MotionTable())
-    rows = _rows(flat, shapes)
+    rows = _rows(flat, shapes, None)
     leaves = find_leaves(rows, np.ones(len(rows)), shapes)
     placed = {k: flat.shapes[shapes.rows[row.shape].source] for k, row in enumerate(rows[:3])}
     checked = 0
