@@ -260,7 +260,8 @@ def _rows(flat: FlatScene, shapes: CompiledShapes, textures: Textures | None) ->
             row = row._replace(texture=number, shape=index, areas=shape.areas)
             if texture is not None and textures is not None and LIGHTS[row.kind].IS_MAPPED:
                 spread = area_map(texture, number, shapes, index, textures)
-                if spread is not None:
+                # What the map has not met may shine nevertheless.
+                if spread is not None and any(spread.mean):
                     row = row._replace(spread=spread, mean=spread.mean)
             rows.append(row)
     return rows + [

@@ -141,6 +141,26 @@ def test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_
         np.testing.assert_allclose(found, share, atol=1e-6)
 
 
+def test_points_are_weighed_in_the_cell_that_they_were_drawn_in():
+    # From afar rounding leads over the sharp edges of a texel, into cells of hardly any density.
+    dark = [[1000.0 if (x, y) == (20, 33) else 0.0 for x in range(64)] for y in range(64)]
+    scene = lamp("rectangle", dark, "interpolation: nearest, color_space: linear")
+    p = np.tile(np.float32([[80.0], [-70.0], [100.0]]), N)
+    _, radiance, pdf, distance, cosine = samples(scene, p, 11)
+    per_area = (pdf * cosine / distance**2)[radiance > 0.0]
+    assert per_area.min() > 0.5 * np.median(per_area)
+
+
+def test_lamps_whose_light_the_map_misses_are_chosen_too():
+    strip = [[9.0 if x == 400 else 0.0 for x in range(8192)]] * 2
+    picture = f"{{type: bitmap, pixels: {strip}, interpolation: nearest, color_space: linear}}"
+    text = "alight: 1\ncamera: {}\nnodes:\n"
+    for name, radiance in (("strip", picture), ("other", "2")):
+        text += f"  {name}: {{shape: rectangle, light: {{type: area, radiance: {radiance}}}}}\n"
+    pmf = compile_scene(flatten(loads(text))).tables.lights.data.array.reshape(-1, STRIDE)[:, 3]
+    assert pmf.min() > 0.0
+
+
 @pytest.mark.parametrize("shape", ["rectangle", "mesh"])
 def test_even_pictures_have_no_map(shape):
     scene = lamp(shape, pixels=[[2.0, 2.0], [2.0, 2.0]])
