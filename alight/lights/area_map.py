@@ -127,7 +127,7 @@ def square_density(scene, at, x, y):
 
 
 @kernel
-def mixed_pdf(scene, at, shape, start, p, hit, by_shape):
+def mixed_pdf(scene, at, square, p, hit, by_shape):
     """The density p at a `ShapeHit`, per solid angle.
 
     Parameters
@@ -135,29 +135,19 @@ def mixed_pdf(scene, at, shape, start, p, hit, by_shape):
     scene : namedtuple
     at : uint32
         Where the maps of the lights begin, 0 for none.
-    shape, start : uint32
-        Their shapes, and where the tables of these begin.
+    square : (x, y, density)
+        The point by `square_of`. Samples give the x and y that were drawn: rounding may lead from
+        the point that they become over the edge of a cell, into one a million times as dark.
     p : Vec3
         Where they are seen from.
     hit : ShapeHit
     by_shape : float
         The density of the shape's own sampling there.
     """
-    nowhere = lanes(0.0), lanes(0.0)
-    return pdf_of_drawn(scene, at, shape, start, p, hit, by_shape, at != at, nowhere)
-
-
-@kernel
-def pdf_of_drawn(scene, at, shape, start, p, hit, by_shape, is_drawn, drawn):
-    """`mixed_pdf` at samples; those of the mask `is_drawn` are the points `drawn` of the square.
-
-    Rounding may lead from there over the edge of a cell, into one a million times as dark.
-    """
     density, mapped = by_shape, at != 0
     if any_lane(mapped):
+        x, y, per_area = square
         share = share_of(scene, at, p)
-        x, y, per_area = square_of(scene, shape, start, hit.prim, p + hit.distance * hit.wi)
-        x, y = where(is_drawn, drawn[0], x), where(is_drawn, drawn[1], y)
         by_area = where(mapped, per_area * square_density(scene, at, x, y), 0.0)
         by_map = area_to_solid_angle(by_area, hit.distance, hit.cosine)
         density = where(mapped, (1.0 - share) * by_shape + share * by_map, by_shape)

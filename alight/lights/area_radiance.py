@@ -9,7 +9,7 @@ from __future__ import annotations
 from alight.core.constants import ONE_MINUS_EPSILON
 from alight.core.switch import is_one_of
 from alight.core.vec import dot, gather_vec3, length_squared
-from alight.lights.area_map import draw, map_at, mixed_pdf, pdf_of_drawn, share_of
+from alight.lights.area_map import draw, map_at, mixed_pdf, share_of, square_of
 from alight.lights.shining import sample_area, sample_shape, shape_pdf
 from alight.lights.tables import INFO, MAPPED, STRIDE, TEXTURED
 from alight.shapes.hit import INFO as SHAPE_INFO
@@ -113,7 +113,9 @@ def sample_point(program):
             if any_lane(by_map):
                 own = shape_pdf(scene.shapes, cdf, start, shape, p, met)
                 density = where(by_map, own, density)
-            density = pdf_of_drawn(scene, at, shape, start, p, met, density, by_map, numbers)
+            x, y, per_area = square_of(scene, shape, start, prim, p + s.distance * s.wi)
+            square = where(by_map, numbers[0], x), where(by_map, numbers[1], y), per_area
+            density = mixed_pdf(scene, at, square, p, met, density)
             s = ShapeSample(s.wi, s.distance, cosine, error, density)
         return s, color
 
@@ -141,7 +143,8 @@ def point_pdf(program):
         if any_lane(textured):
             shape, start = gather(info, index * INFO + 1), gather(info, index * INFO + 3)
             at = map_at(scene, index, hit.prim)
-            density = mixed_pdf(scene, at, shape, start, p, hit, density)
+            square = square_of(scene, shape, start, hit.prim, p + hit.distance * hit.wi)
+            density = mixed_pdf(scene, at, square, p, hit, density)
         return density
 
     return of_both
