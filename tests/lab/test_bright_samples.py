@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from alight.lab.statistics.intervals import log_mean
 from alight.lab.why import trials
 from alight.lab.why.bright_samples import FEW, Squares, decided, squares_of
-from alight.lab.why.trials import try_alternatives
+from alight.lab.why.trials import BATCHES, LEVEL, try_alternatives
 from alight.lab.why.words import trial_lines
 
 
@@ -63,3 +64,25 @@ def test_what_few_samples_decide_is_a_binomial_tail():
     even = Squares(np.full(FEW, 1.0), 10.0 * FEW)
     assert decided([even], [loud]) == (0, 0.0)
     assert decided([Squares(np.zeros(3), 0.0)] * 2, [Squares(np.zeros(3), 0.0)]) == (0, 0.0)
+
+
+def test_what_a_later_trial_has_met_counts_in_the_first(monkeypatch):
+    # Twelve sparks of the first alternative; the scene as it is meets as many, but in the second.
+    quiet = [Squares(np.full(64, 1e-9), 1e-7)] * BATCHES
+    sparks = [Squares(np.ones(2), 2.0)] * 6 + quiet[:2]
+    own, other = iter([quiet, sparks]), iter([sparks, quiet])
+    jitter = np.linspace(0.99, 1.01, BATCHES)
+    few, many = log_mean(jitter), log_mean(100.0 * jitter[::-1])
+
+    def measured(arms, weights, seeds):
+        return [(few, few), (many, few)], [next(own), next(other)]
+
+    monkeypatch.setattr(trials, "alternatives", lambda scene, cause: dict.fromkeys("ab"))
+    monkeypatch.setattr(
+        trials, "_sums_of", lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
+    )
+    monkeypatch.setattr(trials, "_measured", measured)
+    tried, _ = try_alternatives("own")
+    (first,) = [trial for trial in tried if trial.change == "a"]
+    # Nine tenths of the noise are 22 of the 24 sparks.
+    assert first.p_value > LEVEL and first.bright == 22

@@ -21,7 +21,7 @@ from alight.integrators.contributions import FIELDS, SEEN, Log, as_found, can_re
 from alight.integrators.walk import make_settings
 from alight.lab.statistics.intervals import holm_adjusted, log_mean, log_ratio
 from alight.lab.why import trials
-from alight.lab.why.bright_samples import Decided
+from alight.lab.why.bright_samples import Squares
 from alight.lab.why.shares import (
     BATCHES,
     REPLICATES,
@@ -278,11 +278,13 @@ def test_advice_is_corrected_over_all_that_was_tried(monkeypatch):
     """Of five changes that do nothing, one looks good by chance every fifth time."""
     rng, raw = np.random.default_rng(2), []
 
-    def measured(arms, weights, seeds, met):
+    many = [Squares(np.ones(1), 1e9)]
+
+    def measured(arms, weights, seeds):
         noise = rng.lognormal(0.0, 0.1, (2, 2, BATCHES))
         here, there = [(log_mean(variances), log_mean(times)) for variances, times in noise]
         raw.append(log_ratio(here[0] + here[1], there[0] + there[1], paired=True).p_value)
-        return [here, there], Decided()
+        return [here, there], [many, many]
 
     changes = dict.fromkeys("abcde")
     monkeypatch.setattr(trials, "alternatives", lambda scene, cause: changes)

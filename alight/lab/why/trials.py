@@ -27,7 +27,7 @@ from alight.integrators.model import INTEGRATORS
 from alight.integrators.walk import make_settings
 from alight.lab.replicates.measure import add_tiles, film_for, ranges_of
 from alight.lab.statistics.intervals import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
-from alight.lab.why.bright_samples import Decided, Squares, decided, squares_of
+from alight.lab.why.bright_samples import Squares, decided, squares_of
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
 from alight.lights.sampling import has_delta_lights
@@ -201,7 +201,7 @@ def try_alternatives(
     seeds = iter(np.random.SeedSequence((seed, 5)).generate_state(1000).tolist())
     own = _sums_of(scene)
     weights = relative_weights(own.of(next(seeds), PILOT, 1)[:, :, 0] / PILOT)
-    found: list[tuple[str, Ratio, Ratio, Ratio, Decided]] = []
+    found: list[tuple[str, Ratio, Ratio, Ratio, list[Squares]]] = []
     left = []
     met: list[Squares] = []
     for change, other in alternatives(scene, cause).items():
@@ -209,19 +209,26 @@ def try_alternatives(
             left.append(change)
             continue
         progress(change)
-        (here, there), few = _measured((own, _sums_of(other)), weights, seeds, met)
+        (here, there), (of_own, of_other) = _measured((own, _sums_of(other)), weights, seeds)
+        met += of_own
         variance = log_ratio(here[0], there[0])
         # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
         both = log_ratio(here[0] + here[1], there[0] + there[1], paired=True)
-        found.append((change, variance, seconds, both, few))
-    p_values = holm_adjusted([max(both.p_value, few.p_value) for *_, both, few in found])
+        found.append((change, variance, seconds, both, of_other))
+    # What the scene as it is has met in any trial counts in all of them.
+    doubts = [decided(met, squares) for *_, squares in found]
+    p_values = holm_adjusted(
+        [max(both.p_value, few.p_value) for (*_, both, _), few in zip(found, doubts, strict=True)]
+    )
     trials = [
         Trial(
             change, variance.estimate, seconds.estimate, both.estimate, p,
             few.samples if p >= LEVEL and few.p_value > both.p_value else 0,
         )
-        for (change, variance, seconds, both, few), p in zip(found, p_values, strict=True)
+        for (change, variance, seconds, both, _), few, p in zip(
+            found, doubts, p_values, strict=True
+        )
     ]  # fmt: skip
     return tuple(sorted(trials, key=lambda trial: -trial.efficiency.value)), tuple(left)
 
@@ -257,12 +264,10 @@ def _measured(
     arms: tuple[Sums | FilmSums, ...],
     weights: np.ndarray,
     seeds: Iterator[int],
-    met: list[Squares],
-) -> tuple[list[tuple[Statistic, Statistic]], Decided]:
+) -> tuple[list[tuple[Statistic, Statistic]], list[list[Squares]]]:
     """Logarithms of the variance of a replicate and of its processor time, for each of two arms.
 
-    And what few samples decide of them. The first of both is measured for each trial: `met` keeps
-    what it has met in all of them.
+    And the squares of their batches.
     """
     for arm in arms:
         # Compiles, so that the times are of rendering alone.
@@ -276,6 +281,4 @@ def _measured(
             times[k, batch] = time.process_time() - begin
             variances[k, batch] = np.sum((sums / SPP).var(axis=2, ddof=1) * weights)
             squares[k].append(squares_of(sums, weights))
-    found = [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)]
-    met += squares[0]
-    return found, decided(met, squares[1])
+    return [(log_mean(v), log_mean(t)) for v, t in zip(variances, times, strict=True)], squares
