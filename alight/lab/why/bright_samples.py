@@ -3,7 +3,7 @@
 The jackknife over batches knows what batches have met. Light that one sample in a million brings
 may be in two batches of one arm and by chance in none of the other, which then seems to be quiet
 beyond doubt. But if both arms meet such samples equally often, each of them is in one or the other
-with a probability that is known, its part of the batches: how many are in one is binomial, and the
+with a probability that is known, its share of the batches: the number in one is binomial, and its
 tail bounds any p-value (a sign test, where both have as many batches).
 """
 
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: Of all squares of both arms, this part is asked who brings it; more samples than `FEW` are many.
+#: Share of both arms' squares that few samples have to carry; more samples than `FEW` are many.
 CARRIED, FEW = 0.9, 64
 
 
@@ -65,7 +65,7 @@ def squares_of(sums: np.ndarray, weights: np.ndarray) -> Squares:
 
 
 def decided(here: Sequence[Squares], there: Sequence[Squares]) -> Decided:
-    """Ask whether few samples carry the noise of two arms, and how surely they differ then."""
+    """Whether few samples carry the noise of two arms, and how surely the arms differ then."""
     total = sum(batch.total for batch in (*here, *there))
     largest = [np.concatenate([batch.largest for batch in arm]) for arm in (here, there)]
     in_here = np.repeat([True, False], [len(values) for values in largest])
