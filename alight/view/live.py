@@ -298,8 +298,8 @@ class LiveScene:
                     self._done = wish
             except Exception as error:
                 # The page outlives a view that cannot be rendered, and a bug of ours.
-                self.problem, self._done = _words(error), wish
-                self._tell("failed")
+                self.problem = _words(error)
+                self._tell("failed", wish)
 
     def _wait_for_rest(self, wish: Wish) -> None:
         with self._news:
@@ -371,11 +371,13 @@ class LiveScene:
         assert job is not None
         job.record_biases()
         job.film.stats = job.statistics({})
-        self._done = wish
-        self._tell("stopped" if wish.stops else "done")
+        self._tell("stopped" if wish.stops else "done", wish)
 
-    def _tell(self, phase: str) -> None:
+    def _tell(self, phase: str, ended: Wish | None = None) -> None:
         self._phase = phase
+        if ended is not None:
+            # Last: the phase before is not that of this view.
+            self._done = ended
         self._changed()
 
 

@@ -11,7 +11,7 @@ from alight.core.errors import OutputError
 from alight.options.view import ViewOptions
 from alight.view import editing, protocol
 from alight.view.layers import FileLayers, read_layers
-from alight.view.live import LiveScene
+from alight.view.live import LiveScene, Wish
 from alight.view.opening import session_of
 from alight.view.protocol import RefusedError
 from alight.view.saving import save
@@ -95,6 +95,27 @@ def test_nothing_is_done_before_the_loop_has_heard_of_it(session):
         assert session.state(None, None)["phase"] == "rendering"
     settled(session)
     assert session.state(None, None)["phase"] == "done"
+
+
+@pytest.mark.parametrize(("before", "after"), [("done", "failed"), ("failed", "done")])
+def test_a_view_that_ends_never_has_the_phase_of_the_one_before(before, after):
+    seen = []
+
+    class Watched(LiveScene):
+        def __init__(self):
+            self._phase, self._wish, self._done = before, Wish(number=2), Wish(number=1)
+
+        def __setattr__(self, name, value):
+            super().__setattr__(name, value)
+            if {"_phase", "_wish", "_done"} <= self.__dict__.keys():
+                seen.append(self.phase)
+
+        def _changed(self):
+            """Nobody looks."""
+
+    live = Watched()
+    live._tell(after, live._wish)
+    assert seen == ["rendering", "rendering", after]
 
 
 def test_what_is_stopped_is_the_picture_of_this_view(session, tmp_path):
