@@ -25,11 +25,12 @@ from alight.compiled.light_tree import (
 from alight.compiled.shapes import CompiledShapes, compile_shapes
 from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
-from alight.lights.area_map import IS_LIST, START
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
 from alight.lights.tables import (
     INFO,
+    IS_LIST,
+    MAP_START,
     MAPPED,
     STRIDE,
     TEXTURED,
@@ -155,7 +156,7 @@ def compile_lights(
             assert row.spread is not None
             is_list, at = _has_triangles(row, shapes), sum(table.size for table in tables)
             data[i, IS_LIST] = is_list
-            data.view(np.uint32)[i, START] = at
+            data.view(np.uint32)[i, MAP_START] = at
             tables.append(row.spread.table(is_list, at))
     for i, row in enumerate(rows):
         if row.table is not None:

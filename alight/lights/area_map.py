@@ -35,7 +35,7 @@ from alight.core.distributions import pmf_grid, sample_grid
 from alight.core.switch import is_one_of
 from alight.core.vec import gather_vec3, length_squared
 from alight.lights.model import LIGHTS
-from alight.lights.tables import INFO, STRIDE
+from alight.lights.tables import INFO, IS_LIST, MAP_START, STRIDE
 from alight.shapes.hit import INFO as SHAPE_INFO
 from alight.shapes.hit import area_to_solid_angle
 from alight.shapes.model import SHAPES, ShapeModel
@@ -59,9 +59,6 @@ from lanewise.simd import (
 #: Numbers before the tables of a map.
 HEAD = 7
 
-#: Where a light's row in `LightTables.data` says where its map begins, and if it is a list.
-START, IS_LIST = 4, 5
-
 
 @specialised
 def map_at(program):
@@ -78,7 +75,7 @@ def map_at(program):
         info, index = scene.lights.info, lanes_u32(0) + index
         mine = is_mapped(gather(info, index * INFO)) & (gather(info, index * INFO + 2) != 0)
         k = where(mine, index, 0) * STRIDE
-        start = float_bits(gather(scene.lights.data, k + START))
+        start = float_bits(gather(scene.lights.data, k + MAP_START))
         listed = mine & (gather(scene.lights.data, k + IS_LIST) > 0.0)
         if any_lane(listed):
             word = gather(scene.lights.cdf, where(listed, start + prim, 0))

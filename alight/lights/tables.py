@@ -39,6 +39,10 @@ MAPPED = "mapped"
 #: to twelve of its own, as `place` gave them.
 STRIDE = 16
 
+#: Of these, of a mapped area light: the word of `LightTables.cdf` at which its map begins, as bits,
+#: and 1 where a list of such words begins there, one a triangle (`alight.lights.area_map`).
+MAP_START, IS_LIST = 4, 5
+
 #: Light arriving at a point from one chosen direction.
 #: wi: unit direction to the light; distance: m, infinity for lights without a place; radiance: RGB
 #: (for a delta light the irradiance on a surface that faces it); pdf: per solid angle, times the

@@ -7,10 +7,10 @@ from alight.accel import intersect_closest
 from alight.compiled.scene import compile_scene
 from alight.core.distributions import UNIT
 from alight.formats import loads
-from alight.lights.area_map import START, share_of, square_of
+from alight.lights.area_map import share_of, square_of
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.sampling import sample_light
-from alight.lights.tables import MAPPED, STRIDE, TEXTURED
+from alight.lights.tables import MAP_START, MAPPED, STRIDE, TEXTURED
 from alight.scene.flatten import flatten
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
@@ -135,7 +135,7 @@ def test_places_are_chosen_as_the_density_says(view):
 
 def test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_out():
     scene = lamp("rectangle")
-    at = scene.tables.lights.data.array.view(np.uint32)[START : START + 1]
+    at = scene.tables.lights.data.array.view(np.uint32)[MAP_START : MAP_START + 1]
     for z, share in ((1.0, 0.5), (1e4, 1.0)):
         found = run(scene, share_of, at, vec([[0.0], [0.0], [z]]))
         np.testing.assert_allclose(found, share, atol=1e-6)
