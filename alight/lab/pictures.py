@@ -44,7 +44,7 @@ _PILOT_SLOPE = 1.5
 
 
 @dataclass(frozen=True)
-class Pilot:
+class PilotPictures:
     """What two pictures say about an arm beforehand.
 
     Attributes
@@ -78,14 +78,14 @@ class _Setup:
     index : int
         Of the scene in the study.
     arms : dict of str to Arm
-    pilots : dict of str to Pilot
+    pilots : dict of str to PilotPictures
     ladder : tuple of int
     times : dict of str to tuple of Bracket
     """
 
     index: int
     arms: dict[str, Arm]
-    pilots: dict[str, Pilot]
+    pilots: dict[str, PilotPictures]
     ladder: tuple[int, ...]
     times: dict[str, tuple[Bracket, ...]]
 
@@ -203,7 +203,7 @@ def _warnings(arms: Mapping[str, Arm]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(text for arm in arms.values() for text in arm.compiled.warnings))
 
 
-def _pilot(session: Session, arm: Arm, ladder: Sequence[int]) -> Pilot:
+def _pilot(session: Session, arm: Arm, ladder: Sequence[int]) -> PilotPictures:
     """Cost and noise of an arm, from two pictures at the last step of the ladder.
 
     Shorter ones would not do: nobody knows in advance how fast the error of a net falls.
@@ -220,13 +220,13 @@ def _pilot(session: Session, arm: Arm, ladder: Sequence[int]) -> Pilot:
         seconds = max(min(first.seconds, second.seconds), 1e-9) / spp
         known = [seconds, float((difference**2).mean()) / 2.0]
         session.store.keep(key, known)
-    return Pilot(spp, *known)
+    return PilotPictures(spp, *known)
 
 
 def _times(
     session: Session,
     arms: dict[str, Arm],
-    pilots: dict[str, Pilot],
+    pilots: dict[str, PilotPictures],
     ladder: tuple[int, ...],
     baseline: str,
     name: str,

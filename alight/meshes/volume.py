@@ -72,8 +72,8 @@ def _open_edges(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> NDAr
     return points[np.unique([alone // len(points), alone % len(points)])].astype(np.float64)
 
 
-def is_closed(*meshes: Any) -> bool:
-    """Whether the triangles of meshes, of arrays, together enclose a volume and face outwards."""
+def has_inside(*meshes: Any) -> bool:
+    """Whether triangles, of several meshes together, are closed and face outwards."""
     if len(meshes) == 1:
         # Its own arrays, of which it may be known.
         return enclosed_volume(meshes[0].vertices, meshes[0].faces) > 0.0

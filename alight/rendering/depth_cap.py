@@ -124,7 +124,7 @@ def light_beyond(job: Job, cap: int, seed: int) -> Lost:
     residual = found @ slope - radiance * pixels
     spread = float((residual**2).sum()) * len(pixels) / max(len(pixels) - 1, 1)
     error = math.sqrt(spread) / float(pixels.sum())
-    if job.scene.integrator.finds_light_by_chance or job.behind_glass is not None:
+    if job.scene.integrator.finds_light_by_chance or job.rare_light.behind_glass is not None:
         error = math.hypot(error, _RULE_OF_THREE * brightest / (spp * float(pixels.sum())))
     return Lost(float(radiance), math.hypot(error, _unmet(job, spp * float(pixels.sum()))))
 
@@ -139,9 +139,9 @@ def _enough(behind: np.ndarray) -> int:
 
 def _unmet(job: Job, samples: float) -> float:
     """Light behind glass that so many samples miss, mean radiance: the root of the mean square."""
-    if job.behind_glass is None:
+    if job.rare_light.behind_glass is None:
         return 0.0
-    light, found = job.behind_glass[:, 2:5], samples * job.behind_glass[:, 5]
+    light, found = job.rare_light.behind_glass[:, 2:5], samples * job.rare_light.behind_glass[:, 5]
     # They miss such light as a whole, with probability e^-f, or have met it.
     return float((light.mean(axis=1) * np.exp(-0.5 * found)).sum()) / POINTS
 
@@ -163,12 +163,12 @@ def _some_cells(job: Job, seed: int) -> tuple[list[Tile], int]:
     samples = min(max(w * h // _PIXELS, _LEAST), _MOST)
     if job.scene.integrator.finds_light_by_chance:
         samples *= _BY_CHANCE
-    if job.behind_glass is not None:
-        samples = max(samples, _enough(job.behind_glass))
+    if job.rare_light.behind_glass is not None:
+        samples = max(samples, _enough(job.rare_light.behind_glass))
     rows, columns = cells_of(*film.crop)
     down, across = rows.stop - rows.start, columns.stop - columns.start
     count = max(math.ceil(samples / (CELL_SIZE**2 * film.replicates)), _FEWEST_CELLS)
-    more = math.ceil(count / (down * across)) if job.behind_glass is not None else 1
+    more = math.ceil(count / (down * across)) if job.rare_light.behind_glass is not None else 1
     count = min(count, down * across)
     chosen = np.random.default_rng(seed).permutation(down * across)[:count]
     tiles = []

@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from alight.integrators.walk import make_settings
 from alight.rendering import depth_cap
 from alight.rendering.executors.blocks import Block, Executor
 from alight.rendering.layers import AOVS
+from alight.rendering.rare_light import RareLight
 from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedules.passes import Work, ranges_of
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
@@ -106,10 +106,8 @@ class Job:
         Bound of a sample's value, for its films.
     training : Training, optional
         Of the scene's guide.
-    look_behind_glass : callable, optional
-        `light_behind_glass` of the scene.
-    look_off_surfaces : callable, optional
-        `light_off_surfaces` of the scene.
+    rare_light : RareLight, optional
+        Of the scene; otherwise it has none.
 
     Raises
     ------
@@ -133,12 +131,10 @@ class Job:
         replicates: int,
         largest_sample: float | None = None,
         training: Training | None = None,
-        look_behind_glass: Callable[[], np.ndarray | None] = lambda: None,
-        look_off_surfaces: Callable[[], np.ndarray | None] = lambda: None,
+        rare_light: RareLight | None = None,
     ) -> None:
         self.training = training
-        self._look_behind_glass = look_behind_glass
-        self._look_off_surfaces = look_off_surfaces
+        self.rare_light = rare_light or RareLight()
         self.scene, self.schedule, self.threads = scene, schedule, threads
         self.seed, self.replicates, self.largest_sample = seed, replicates, largest_sample
         self.settings = make_settings(
@@ -176,21 +172,9 @@ class Job:
         film.scene_warnings, film.largest_sample = tuple(scene.warnings), self.largest_sample
         film.by_chance = self.scene.integrator.finds_light_by_chance
         # Only a promise asks its film.
-        film.rare_light = self.met_by_chance if self.schedule.promises else None
+        film.rare_light = self.rare_light.everywhere if self.schedule.promises else None
         film.shares_paths = scene.integrator.splats
         return film
-
-    @cached_property
-    def behind_glass(self) -> np.ndarray | None:
-        """Light behind clear glass and off mirrors, looked for when first needed."""
-        return self._look_behind_glass()
-
-    @cached_property
-    def met_by_chance(self) -> np.ndarray | None:
-        """That, and light off small bright surfaces: `Film.rare_light` of a promise."""
-        parts = [self.behind_glass, self._look_off_surfaces()]
-        found = [part for part in parts if part is not None]
-        return np.concatenate(found) if found else None
 
     def _guide(self) -> dict[str, Any]:
         """The guide as a part of a film's identity."""
@@ -232,7 +216,8 @@ class Job:
         for film in self.rounds:
             film.scene_warnings = tuple(self.scene.warnings)
             # It may have been begun without a promise, for which nobody looked.
-            film.rare_light = self.met_by_chance if self.schedule.promises else film.rare_light
+            if self.schedule.promises:
+                film.rare_light = self.rare_light.everywhere
         self.rays, self.samples = state.rays, state.samples
         self._earlier = self._restored = state.seconds
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 from alight.compiled.recompile import compiled_of
@@ -26,8 +25,7 @@ from alight.rendering.executors.blocks import Executor
 from alight.rendering.executors.cluster_executor import executor_of
 from alight.rendering.job import Job, Progress
 from alight.rendering.layers import layers_of
-from alight.rendering.light_behind_glass import light_behind_glass
-from alight.rendering.light_off_surfaces import light_off_surfaces
+from alight.rendering.rare_light import RareLight
 from alight.rendering.resources import usable_processors
 from alight.rendering.schedules.passes import Pace
 from alight.rendering.schedules.sample_bound import largest_sample
@@ -130,13 +128,11 @@ def job_of(
         )  # fmt: skip
         clock.lap("training")
     replicates = replicates or flat.film.replicates
-    sight = Sight(flat, compiled)
     return Job(
         compiled, schedule, seed=seed, threads=threads, replicates=replicates,
         largest_sample=largest_sample(flat, compiled.program.light_tree),
         training=training,
-        look_behind_glass=partial(light_behind_glass, sight),
-        look_off_surfaces=partial(light_off_surfaces, sight),
+        rare_light=RareLight(Sight(flat, compiled)),
     )  # fmt: skip
 
 

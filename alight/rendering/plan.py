@@ -7,7 +7,7 @@ rule, and that of the time per sample. The time is that of a start, of the sampl
 of the rule, which in small pictures is most of it.
 
 Rare light that paths find by chance comes from the pilot that has looked for it
-(`alight.rendering.schedules.rare_light`) until enough samples have met it, and its noise is that of
+(`alight.rendering.schedules.rare_noise`) until enough samples have met it, and its noise is that of
 independent samples. Only the rest has the slope.
 """
 
@@ -33,7 +33,7 @@ from alight.options.render import RenderOptions
 from alight.outputs import html
 from alight.rendering.main_loop import render_film
 from alight.rendering.resources import usable_processors
-from alight.rendering.schedules.rare_light import RareNoise, rare_noise, without_samples
+from alight.rendering.schedules.rare_noise import RareNoise, rare_noise, without_samples
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.schedules.selection import promise_of
 from alight.rendering.schedules.steering import check_replicates
@@ -77,7 +77,7 @@ _BY_CHANCE = {
 
 
 @dataclass
-class Pilot(Schedule):
+class PilotSchedule(Schedule):
     """Looks at doubling numbers of samples, and at the processor's clock.
 
     Attributes
@@ -268,7 +268,7 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
     OptionError
         If the pilot has seen no light, so that nothing can be predicted.
     """
-    pilot = Pilot(promise)
+    pilot = PilotSchedule(promise)
     asked = RenderOptions(schedule=pilot, **options)
     film = render_film(scene_of(scene, asked), asked)
     if not pilot.seen or not math.isfinite(pilot.seen[-1][2]):
@@ -276,7 +276,7 @@ def make_plan(scene: Scene | str, promise: Promise, **options: Any) -> Plan:
     return replace(plan_of(pilot, film.replicates), threads=film.stats["threads"])
 
 
-def plan_of(pilot: Pilot, replicates: int) -> Plan:
+def plan_of(pilot: PilotSchedule, replicates: int) -> Plan:
     """Work out the cost from what a pilot has seen."""
     spp, _, relmse = pilot.seen[-1]
     if relmse + pilot.rare.noise == 0.0 and math.isfinite(pilot.need):
@@ -303,7 +303,7 @@ def plan_of(pilot: Pilot, replicates: int) -> Plan:
     return Plan(estimate, seconds, shown, reached, spp)
 
 
-def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
+def _seconds(pilot: PilotSchedule, spp: Estimate, replicates: int) -> Estimate:
     """Processor time of the given samples per pixel and of the looks on the way there."""
     at = [0, *(seen[0] for seen in pilot.seen)]
     rates = [t / (b - a) for t, a, b in zip(pilot.passes, at, at[1:], strict=False)]
@@ -324,7 +324,7 @@ def _seconds(pilot: Pilot, spp: Estimate, replicates: int) -> Estimate:
     return Estimate(until(spp.value), until(spp.low) / doubt, until(spp.high) * doubt)
 
 
-def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
+def _times(pilot: PilotSchedule, slope: float, rare: float = 1.0) -> float:
     """Times the pilot's samples that the promise needs, with `rare` times the noise of rare light.
 
     The rule demands of rare light what it demands of light met often; of all other noise, what it
@@ -341,7 +341,7 @@ def _times(pilot: Pilot, slope: float, rare: float = 1.0) -> float:
     return math.exp(log)
 
 
-def _rare(pilot: Pilot) -> float:
+def _rare(pilot: PilotSchedule) -> float:
     """relMSE of rare light: what was expected, and the more has met it, what the samples tell."""
     noise = pilot.rare.noise
     if noise == 0.0:
@@ -350,7 +350,7 @@ def _rare(pilot: Pilot) -> float:
     return noise**known * max(pilot.met, 0.1 * noise) ** (1.0 - known)
 
 
-def _gap(pilot: Pilot) -> float:
+def _gap(pilot: PilotSchedule) -> float:
     """The pilot's relMSE over the one that is asked for."""
     return max(pilot.seen[-1][2] / pilot.promise.error**2, 1e-6)
 

@@ -11,15 +11,15 @@ import pytest
 
 from alight.metrics.own_error import estimate_relmse
 from alight.rendering.depth_cap import _series
-from alight.rendering.plan import Pilot, _look_after, _times, plan_of
-from alight.rendering.schedules.rare_light import RareNoise
+from alight.rendering.plan import PilotSchedule, _look_after, _times, plan_of
+from alight.rendering.schedules.rare_noise import RareNoise
 from alight.rendering.schedules.stopping import Promise, first_look, judge_means, next_look
 
 
 def pilot_of(slope=1.0, error=0.01, need=None, spread=0.03, relmse=4e-4, **changes):
     """A pilot whose relMSE falls as a power of the samples, exactly."""
     seen = [(spp, spread, relmse * (64 / spp) ** slope) for spp in (16, 32, 64)]
-    pilot = Pilot(Promise(error), seen, [0.2, 0.1, 0.2], [0.03, 0.02, 0.02])
+    pilot = PilotSchedule(Promise(error), seen, [0.2, 0.1, 0.2], [0.03, 0.02, 0.02])
     pilot.need = relmse / error**2 if need is None else need
     return replace(pilot, **changes)
 

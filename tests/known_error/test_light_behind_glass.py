@@ -16,7 +16,7 @@ from alight.rendering.depth_cap import light_beyond
 from alight.rendering.light_behind_glass import DIRECTIONS, _through, light_behind_glass
 from alight.rendering.main_loop import job_of
 from alight.rendering.pilot_rays import POINTS, SHARP
-from alight.rendering.plan import Pilot
+from alight.rendering.plan import PilotSchedule
 from alight.rendering.schedules.schedule import Uniform
 from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise, judge, judge_means
@@ -284,7 +284,7 @@ def test_a_render_looks_for_it_where_something_depends_on_it():
     assert judge(film, Promise(0.1)).unseen > 0.1
     assert job(room(), Uniform(4, 4)).rounds[0].rare_light is None
     capped = room(integrator={"type": "path", "max_depth": 3})
-    assert np.array_equal(job(capped, Uniform(4, 4)).behind_glass, wanted)
+    assert np.array_equal(job(capped, Uniform(4, 4)).rare_light.behind_glass, wanted)
 
 
 def test_a_render_that_goes_on_to_an_error_looks_for_it():
@@ -295,10 +295,10 @@ def test_a_render_that_goes_on_to_an_error_looks_for_it():
 
 
 def test_plans_look_for_it():
-    assert job(room(), Pilot(Promise(0.1))).rounds[0].rare_light is not None
+    assert job(room(), PilotSchedule(Promise(0.1))).rounds[0].rare_light is not None
     film = Film(8, 8, replicates=3)
     with pytest.raises(alight.OptionError, match="from 4 replicates on, got 3"):
-        Pilot(Promise(0.1)).next([film])
+        PilotSchedule(Promise(0.1)).next([film])
 
 
 def test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed(monkeypatch):
@@ -315,7 +315,7 @@ def test_a_caps_pilot_looks_often_enough_or_says_what_it_may_have_missed(monkeyp
     capped.kernels = None
     for q, samples in ((0.05, 2048), (2e-3, 50_000), (1e-9, 2**17)):
         asked.clear()
-        capped.behind_glass = np.column_stack(
+        capped.rare_light.behind_glass = np.column_stack(
             [np.arange(9), np.zeros(9), np.full((9, 3), 2.0), np.full(9, q)]
         )
         lost = light_beyond(capped, 3, 0)

@@ -209,5 +209,5 @@ def test_only_a_promise_looks_for_it():
     promised = job_of(flat, scene, Steered(16, 64, Promise(0.1)), Clock(), **options)
     assert np.array_equal(promised.rounds[0].rare_light, light_off_surfaces(Sight(flat, scene)))
     # A cap's pilot has samples of its own.
-    assert promised.behind_glass is None
+    assert promised.rare_light.behind_glass is None
     assert job_of(flat, scene, Uniform(4, 4), Clock(), **options).rounds[0].rare_light is None

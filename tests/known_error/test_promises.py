@@ -12,7 +12,7 @@ from alight.films import Film, PartialFilm
 from alight.films.fixed_point import to_limbs
 from alight.films.sample_ranges import empty_cells
 from alight.metrics.own_error import estimate_relmse
-from alight.rendering.plan import Pilot, plan_of
+from alight.rendering.plan import PilotSchedule, plan_of
 from alight.rendering.schedules.adaptive import LEAST, MOST, counts_at, shares_of
 from alight.rendering.schedules.cycles import Cycles, cycles_error, first_decision, in_noise
 from alight.rendering.schedules.schedule import Goal, Verdict
@@ -330,7 +330,8 @@ def test_cycles_needs_two_halves():
 
 
 def test_a_plan_follows_the_slope_of_the_pilot():
-    pilot = Pilot(Promise(0.01), seen=[(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)],
+    seen = [(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)]
+    pilot = PilotSchedule(Promise(0.01), seen=seen,
                   passes=[0.2, 0.1, 0.2], looks=[0.03, 0.02, 0.02], need=4.2)  # fmt: skip
     plan = plan_of(pilot, 4)
     assert plan.slope.value == pytest.approx(-1.0)
@@ -351,7 +352,7 @@ def test_a_plan_follows_the_slope_of_the_pilot():
 def test_a_plan_doubts_its_seconds_as_much_as_the_pilots_passes_differ():
     seen = [(16, 0.03, 0.0016), (32, 0.03, 0.0008), (64, 0.03, 0.0004)]
     steady, restless = (
-        plan_of(Pilot(Promise(0.01), seen, [0.1, second, 0.2], [0.01] * 3, 4.2), 4).seconds
+        plan_of(PilotSchedule(Promise(0.01), seen, [0.1, second, 0.2], [0.01] * 3, 4.2), 4).seconds
         for second in (0.1, 0.2)
     )
     assert steady.high / steady.low < 5.0

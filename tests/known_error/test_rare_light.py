@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from alight.rendering.pilot_rays import POINTS
-from alight.rendering.schedules.rare_light import RareNoise, rare_noise, without_samples
+from alight.rendering.schedules.rare_noise import RareNoise, rare_noise, without_samples
 from alight.rendering.schedules.stopping import Promise, judge_means
 
 

@@ -42,7 +42,7 @@ BEHIND_GLASS = (
     Mutant(
         "a render that goes on without what its promise asks for",
         "rendering/job.py",
-        (("= self.met_by_chance if self.schedule.promises else film", "= film"),),
+        (("                film.rare_light = self", "                self"),),
         f"{GLASS}::test_a_render_that_goes_on_to_an_error_looks_for_it",
     ),
     Mutant(
@@ -192,8 +192,8 @@ BEHIND_GLASS = (
     ),
     Mutant(
         "promises that forget small bright surfaces",
-        "rendering/job.py",
-        (("[self.behind_glass, self._look_off_surfaces()]", "[self.behind_glass]"),),
+        "rendering/rare_light.py",
+        (("[self.behind_glass, light_off_surfaces(self._sight)]", "[self.behind_glass]"),),
         f"{SURFACES}::test_only_a_promise_looks_for_it",
     ),
     Mutant(

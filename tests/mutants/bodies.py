@@ -16,13 +16,13 @@ BODIES = (
     Mutant(
         "light that enters one primitive of a mesh and leaves by a matte one",
         "formats/gltf/bodies.py",
-        (("len(shapes) > 1 and all_bodies and is_closed", "len(shapes) > 1 and is_closed"),),
+        (("len(shapes) > 1 and all_bodies and has_inside", "len(shapes) > 1 and has_inside"),),
         "tests/formats/gltf/test_bodies.py::test_primitives_close_a_mesh_together[False-0-False]",
     ),
     Mutant(
         "primitives that are asked one by one whether they are closed",
         "formats/gltf/bodies.py",
-        (("(together or is_closed(shape))", "is_closed(shape)"),),
+        (("(together or has_inside(shape))", "has_inside(shape)"),),
         "tests/formats/gltf/test_bodies.py::test_primitives_close_a_mesh_together[True-0-True]",
     ),
     Mutant(

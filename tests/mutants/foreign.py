@@ -176,7 +176,7 @@ FOREIGN = (
     Mutant(
         "parts of a body that are judged alone",
         "formats/usd/graph.py",
-        (("closed = whole or is_closed(shape)", "closed = is_closed(shape)"),),
+        (("closed = whole or has_inside(shape)", "closed = has_inside(shape)"),),
         "tests/formats/usd/test_networks.py::test_parts_of_a_mesh_may_close_a_body_together",
     ),
     Mutant(

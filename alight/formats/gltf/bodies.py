@@ -14,7 +14,7 @@ from typing import Any
 
 from alight.formats.gltf.values import Item
 from alight.formats.materials.surfaces import Surface, index_of, reflectance
-from alight.meshes.volume import is_closed
+from alight.meshes.volume import has_inside
 
 Data = dict[str, Any]
 TRANSLUCENT, SCATTERING = "KHR_materials_diffuse_transmission", "KHR_materials_volume_scatter"
@@ -36,11 +36,11 @@ def have_insides(primitives: Sequence[tuple[Any, Surface, Item]]) -> list[bool]:
     """
     all_bodies = all(material.inside is not None for _, material, _ in primitives)
     shapes = [shape for shape, _, _ in primitives]
-    together = len(shapes) > 1 and all_bodies and is_closed(*shapes)
+    together = len(shapes) > 1 and all_bodies and has_inside(*shapes)
     found = []
     for shape, material, item in primitives:
         is_body = material.inside is not None
-        closed = is_body and (together or is_closed(shape))
+        closed = is_body and (together or has_inside(shape))
         if is_body and not closed:
             text = "is open or inside out, so no light is scattered below its surface"
             item.report.approximate(f"{item.pointer}: {text}")

@@ -33,7 +33,7 @@ from alight.formats.usd.skins import Pose, poses_of
 from alight.formats.usd.stage import Stage
 from alight.formats.usd.textures import DEFAULT_COORDINATES
 from alight.meshes.polygons import Triangles
-from alight.meshes.volume import is_closed
+from alight.meshes.volume import has_inside
 from alight.scene.meshes import mesh_of
 from alight.scene.steps import parse_transform
 from alight.scene.transform import is_singular
@@ -238,7 +238,7 @@ class Graph(ModelScene):
         self.bounds.add(triangles.vertices, to_world)
         # Parts may have an inside together: then light is scattered below all of them.
         scatter = all(self._material_of(part, prim)[1].inside is not None for part in bound)
-        whole = scatter and len(bound) > 1 and is_closed(mesh_of(arrays_of(triangles, ())))
+        whole = scatter and len(bound) > 1 and has_inside(mesh_of(arrays_of(triangles, ())))
         parts: dict[str, Data] = {}
         rest = np.ones(len(triangles.faces), bool)
         for subset, its_faces in zip(subsets, indices, strict=True):
@@ -285,7 +285,7 @@ class Graph(ModelScene):
     ) -> tuple[str, Surface]:
         """What a material is that scatters light inside, by whether the shape has an inside."""
         is_mesh = isinstance(shape, Mesh)
-        closed = whole or is_closed(shape) if is_mesh else shape["type"] != "rectangle"
+        closed = whole or has_inside(shape) if is_mesh else shape["type"] != "rectangle"
         if not closed:
             text = f"{prim.GetPath()}: open or inside out: no light is scattered below its surface"
             self.stage.report.approximate(text)

@@ -34,7 +34,7 @@ from alight.films import Film
 from alight.metrics.error_estimate import LARGEST_TOLD
 from alight.metrics.own_error import estimate_relmse
 from alight.options.render import PromiseOptions
-from alight.rendering.schedules.rare_light import rare_noise
+from alight.rendering.schedules.rare_noise import rare_noise
 from alight.rendering.schedules.unseen import cell_sum, spread_over_pixels, unseen_error
 
 #: Samples per pixel at the first look, and their growth from look to look.

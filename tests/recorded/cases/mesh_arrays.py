@@ -9,7 +9,7 @@ from alight.meshes import loop, obj, ply, polygons, serialized, stl, strips, sur
 from alight.meshes.concave import cut_polygons
 from alight.meshes.face_colors import with_face_colors
 from alight.meshes.normals import vertex_normals
-from alight.meshes.volume import enclosed_volume, is_closed
+from alight.meshes.volume import enclosed_volume, has_inside
 from tests.recorded.cases.trees import ends_of
 
 #: Corners of a box, slanted, and its faces: two of them triangles.
@@ -202,7 +202,7 @@ def triangles() -> dict[str, object]:
         "normals": vertex_normals(vertices.astype(np.float32), octahedron.astype(np.int32)),
         "volume": enclosed_volume(vertices.astype(np.float32), octahedron.astype(np.int32)),
         "painted": arrays(with_face_colors(sheet, painted[1:3])),
-        "closed": [is_closed(sheet)],
+        "closed": [has_inside(sheet)],
     }  # fmt: skip
 
 

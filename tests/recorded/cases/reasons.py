@@ -25,7 +25,7 @@ from alight.lab.why.shares import TECHNIQUES, Part, Shares, relative_weights
 from alight.lab.why.trials import Trial, alternatives
 from alight.metrics.estimate import Estimate
 from alight.rendering import plan as plans
-from alight.rendering.schedules.rare_light import RareNoise
+from alight.rendering.schedules.rare_noise import RareNoise
 from alight.rendering.schedules.stopping import Promise
 from alight.scene import flatten
 from tests.recorded.cases.renders import FILES, SCENE
@@ -140,7 +140,7 @@ def costs() -> dict[str, Any]:
         of_rare = words_.pop("rare", {})
         for promise in (Promise(0.05), Promise(0.3, 0.99, "pixel", 0.9)):
             for replicates in (4, 5):
-                pilot = plans.Pilot(
+                pilot = plans.PilotSchedule(
                     promise,
                     passes=[0.5, 0.6, 1.3],
                     looks=[0.01, 0.03, 0.02],

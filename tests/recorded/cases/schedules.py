@@ -14,7 +14,7 @@ from alight.rendering.executors.block_tasks import BlockTask, Layout, samples_in
 from alight.rendering.executors.blocks import Block
 from alight.rendering.executors.cluster_executor import BlockQueue, split
 from alight.rendering.executors.light_tasks import LightQueue
-from alight.rendering.schedules import adaptive, cycles, rare_light, selection, stopping, unseen
+from alight.rendering.schedules import adaptive, cycles, rare_noise, selection, stopping, unseen
 from alight.rendering.schedules.passes import Pace, Work, ranges_of
 from alight.rendering.schedules.schedule import Goal, Schedule, Uniform, Verdict
 from alight.rendering.schedules.steering import Steered, towards
@@ -352,7 +352,7 @@ def looks() -> dict[str, Any]:
                 ]
             )
         answers.append(outcome(unseen.unseen_error, means, counts, 0.1, None, True, None))
-        answers.append(outcome(rare_light.rare_noise, means, counts, behind))
+        answers.append(outcome(rare_noise.rare_noise, means, counts, behind))
         answers.append(stopping.share_within(means, counts, 0.2, 0.02))
         answers.append(described(adaptive.shares_of(film)))
         answers.append(described(cycles.cycles_error(means, counts)))
