@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from alight.compiled.area_maps import Textures
 from alight.compiled.lights import emitting_lights
 from alight.compiled.rendering_space import in_rendering_space
 from alight.compiled.scene import CompiledScene
@@ -48,4 +49,5 @@ class Sight:
     @cached_property
     def lights(self) -> EmittingLights | None:
         """The lamps as paths start at them; None where there is one at which they cannot."""
-        return emitting_lights(self.flat)
+        textures = Textures(self.scene.tables.materials, self.scene.program.textures)
+        return emitting_lights(self.flat, textures)

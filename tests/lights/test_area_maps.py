@@ -7,7 +7,7 @@ from alight.accel import intersect_closest
 from alight.compiled.scene import compile_scene
 from alight.core.distributions import UNIT
 from alight.formats import loads
-from alight.lights.area_map import share_of, square_of
+from alight.lights.area_map import share_of, square_density, square_of
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.sampling import sample_light
 from alight.lights.tables import MAP_START, MAPPED, STRIDE, TEXTURED
@@ -136,9 +136,18 @@ def test_places_are_chosen_as_the_density_says(view):
 def test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_out():
     scene = lamp("rectangle")
     at = scene.tables.lights.data.array.view(np.uint32)[MAP_START : MAP_START + 1]
-    for z, share in ((1.0, 0.5), (1e4, 1.0)):
+    # The corners are the root of two away from the middle.
+    for z, share in ((1.0, 0.5), (2.0, 0.75), (1e4, 1.0)):
         found = run(scene, share_of, at, vec([[0.0], [0.0], [z]]))
-        np.testing.assert_allclose(found, share, atol=1e-6)
+        np.testing.assert_allclose(found, share, atol=5e-3)
+
+
+def test_the_last_cell_holds_the_edge_of_the_square():
+    scene = lamp("rectangle", [[1.0, 50.0], [2.0, 90.0]], "interpolation: nearest")
+    at = scene.tables.lights.data.array.view(np.uint32)[[MAP_START] * 3]
+    edge, inside = (np.float32([[a, 0.3, a], [0.3, a, a]]) for a in (1.0, 0.9999))
+    found, wanted = (run(scene, square_density, at, x, y) for x, y in (edge, inside))
+    np.testing.assert_array_equal(found, wanted)
 
 
 def test_points_are_weighed_in_the_cell_that_they_were_drawn_in():
