@@ -107,6 +107,7 @@ def test_a_texel_throws_as_much_as_a_lamp_of_its_size():
         below = [{"scale": half}, {"translate": [0, 0, HEIGHT - CLOSE - 1e-4]}]
         board = {"shape": "rectangle", "bsdf": black, "transform": below}
         table = found_in(room(lamp=lamp, board=board))
+        assert table is not None
         found.append(table[:, 2].sum() / POINTS)
     assert found[0] == pytest.approx(found[1], rel=0.1)
 

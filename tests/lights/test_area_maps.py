@@ -194,17 +194,17 @@ def test_lamps_are_known_by_the_part_of_the_picture_that_they_show():
 
 
 def test_triangles_are_chosen_by_their_light():
-    scene = lamp("mesh", pixels=[[8.0, 8.0], [0.0, 8.0]], more="interpolation: nearest")
+    scene = lamp("mesh", pixels=[[8.0, 8.0], [8.0, 0.0]], more="interpolation: nearest")
     cdf = scene.tables.lights.cdf.array[2:5]
     v = np.array([[-1, -1, 0], [1, -1, 0.2], [1, 1, 0], [-0.3, 0.6, 0.3]])
     areas = [0.5 * np.linalg.norm(np.cross(v[b] - v[0], v[b + 1] - v[0])) for b in (1, 2)]
-    # A quarter of the picture is dark, below on the left: as barycentrics tell, by a fine grid.
+    # A quarter of the picture is dark, below on the right: as barycentrics tell, by a fine grid.
     b1, b2 = np.mgrid[:400, :400] / 400.0 + 1.0 / 1200.0
     inside = b1 + b2 < 1.0
     uv = np.array([[0, 0], [1, 0], [1, 1], [0.1, 1]])
     powers = []
     for area, a in zip(areas, (1, 2), strict=True):
         s, t = (b1 * uv[a, i] + b2 * uv[a + 1, i] for i in (0, 1))
-        powers.append(area * np.mean(((s > 0.5) | (t > 0.5))[inside]))
+        powers.append(area * np.mean(((s < 0.5) | (t > 0.5))[inside]))
     assert np.diff(cdf)[0] == pytest.approx(powers[0] / sum(powers), abs=5e-3)
     assert np.diff(cdf)[1] > UNIT

@@ -26,14 +26,14 @@ LAMP_MAPS = (
     ),
     Mutant(
         "maps of lamps transposed",
-        "compiled/area_maps.py",
+        "lights/area_map.py",
         (
             (
-                "cumulative_grid(np.maximum(weights, UNIT * even))",
-                "cumulative_grid(np.maximum(weights, UNIT * even).T)",
+                "minimum(x, ONE_MINUS_EPSILON), minimum(y, ONE_MINUS_EPSILON)",
+                "minimum(y, ONE_MINUS_EPSILON), minimum(x, ONE_MINUS_EPSILON)",
             ),
         ),
-        f"{MAPS}::test_bright_texels_are_drawn_by_their_light[disk]",
+        f"{MAPS}::test_bright_texels_are_drawn_by_their_light[rectangle]",
     ),
     Mutant(
         "maps of lamps whatever they gain",
@@ -103,6 +103,13 @@ LAMP_MAPS = (
         "light paths of pilots that start anywhere on a textured lamp",
         "compiled/lights.py",
         (('emits="if possible", textures=textures)', 'emits="if possible")'),),
+        "tests/known_error/test_light_off_mirrors.py"
+        "::test_a_mirror_shows_a_texel_as_it_shows_a_lamp_of_its_size",
+    ),
+    Mutant(
+        "light paths that start anywhere on a textured lamp",
+        "lights/emission/from_shapes.py",
+        (("mapped = MAPPED in program.lights", "mapped = False"),),
         "tests/known_error/test_light_off_surfaces.py"
         "::test_a_texel_throws_as_much_as_a_lamp_of_its_size",
     ),
