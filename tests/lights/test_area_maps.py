@@ -19,7 +19,7 @@ from tests.shapes.tracing import directions, finite, rows, vec
 
 N = 16_000
 #: One texel shines a thousand times as bright as the others.
-TEXEL = [[1.0 if (x, y) != (5, 2) else 1000.0 for x in range(8)] for y in range(8)]
+TEXEL = [[1.0 if (x, y) != (6, 2) else 1000.0 for x in range(8)] for y in range(8)]
 SHAPES = {
     "rectangle": "rectangle",
     "disk": "disk",
