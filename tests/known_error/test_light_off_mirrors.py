@@ -20,6 +20,9 @@ RADIUS, LAMP, MIRROR, SIDE = 0.01, 1.0, 1.5, 1.0
 IMAGE = 2 * MIRROR - LAMP
 RADIANCE, ALBEDO = 1e4, 0.4
 
+#: Height of the camera, metres.
+EYE = 1.4
+
 #: Its reflecting side is below.
 STILL = {
     "scale": 9.0,
@@ -29,7 +32,9 @@ STILL = {
 STEPS = [{name: value} for name, value in STILL.items()]
 
 
-def room(*, mirror="mirror", place=None, lamp=None, integrator=None, below=(), more=None):
+def room(
+    *, mirror="mirror", place=None, lamp=None, integrator=None, below=(), more=None, medium=None
+):
     """A matt floor seen from above, under a horizontal mirror; `below` it are stronger lamps."""
     at = lamp or {"translate": [0, 0, LAMP]}
     nodes = {
@@ -48,12 +53,12 @@ def room(*, mirror="mirror", place=None, lamp=None, integrator=None, below=(), m
         }
     nodes |= more or {}
     # Below the mirror, so that the floor is seen directly.
-    look = {"origin": [0, 0, 1.4], "target": [0, 0, 0], "up": [0, 1, 0]}
+    look = {"origin": [0, 0, EYE], "target": [0, 0, 0], "up": [0, 1, 0]}
     return alight.load({
         "alight": 1, "film": {"size": [32, 32]}, "integrator": integrator or {"type": "path"},
         "nodes": nodes,
         "camera": {"type": "orthographic", "height": 2 * SIDE, "transform": {"look_at": look}},
-    })  # fmt: skip
+    } | ({"medium": medium} if medium else {}))  # fmt: skip
 
 
 def found_in(scene):

@@ -8,12 +8,11 @@ import pytest
 from alight.compiled.scene import compile_scene
 from alight.core.vec import Vec3, luminance
 from alight.formats import loads
-from alight.laws.emission import N, RECEIVERS, rays_of, same_by_both
+from alight.laws.emission import RECEIVERS, rays_of, same_by_both
 from alight.lights.tables import CHOICE
 from alight.scene.flatten import flatten
 from tests.lights.test_area_maps import SHAPES, TEXEL, TURNED
 from tests.motion.test_kernels import seen
-from tests.sampling.statistics import LARGEST_Z, z_of_mean
 
 NEAREST = "interpolation: nearest"
 FLAT = {"flat": "sphere, transform: {scale: [1, 1, 0.2]}"}
@@ -46,7 +45,7 @@ def test_rays_bring_what_light_sampling_finds(shape, more):
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_rays_have_nearly_the_same_flux(shape):
-    # Even points would have a relative variance of 50: one texel of 64 has nine tenths of the light.
+    # By even points a relative variance of 50: one texel of 64 has nine tenths of the light.
     flux = brightness(rays_of(lamps(picture(), shape=shape)))
     assert flux.std() < 0.6 * flux.mean()
 

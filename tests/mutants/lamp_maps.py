@@ -57,9 +57,8 @@ LAMP_MAPS = (
         "compiled/area_maps.py",
         (
             (
-                "area = np.where(found.density > 0.0, 1.0 / "
-                "np.where(found.density > 0.0, found.density, 1.0), 0)",
-                "area = np.where(found.density > 0.0, 1.0, 0.0)",
+                "np.where(found.density > 0.0, 1.0 / np.where(",
+                "np.where(found.density > 0.0, 1.0 + 0.0 * np.where(",
             ),
         ),
         f"{RAYS}::test_cells_of_a_map_have_the_light_of_their_area",
@@ -73,8 +72,7 @@ LAMP_MAPS = (
                 "np.sqrt(np.max(np.sum((found.p - middle) ** 2, axis=1)))",
             ),
         ),
-        f"{MAPS}"
-        "::test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_out",
+        f"{MAPS}::test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_out",
     ),
     Mutant(
         "all triangles by the map of the first",
