@@ -271,5 +271,13 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> tuple[Arrived, li
 
 def _beams(pilot: Pilot, light: _Light, length: np.ndarray) -> Beams:
     medium = medium_around(pilot, light.o, light.d, light.times)
-    found = Beams(light.o, light.d, length, light.radiance, light.share, medium, light.times)
+    found = Beams(
+        o=light.o,
+        d=light.d,
+        length=length,
+        radiance=light.radiance,
+        share=light.share,
+        medium=medium,
+        times=light.times,
+    )
     return picked(found, medium != 0)

@@ -251,9 +251,16 @@ def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> tuple[Arri
 
 def _beams(light: _Light, hit: Hit) -> Beams:
     """Ways in media of light that something has scattered."""
-    light, way = light._replace(way=hit.t), light.turned & (light.medium != 0)
-    on = light.some(way)
-    return Beams(on.o, on.d, on.way, on.radiance, on.share, on.medium, on.times)
+    on = light._replace(way=hit.t).some(light.turned & (light.medium != 0))
+    return Beams(
+        o=on.o,
+        d=on.d,
+        length=on.way,
+        radiance=on.radiance,
+        share=on.share,
+        medium=on.medium,
+        times=on.times,
+    )
 
 
 def _nobody(light: _Light) -> _Light:
