@@ -8,7 +8,6 @@ import numpy as np
 
 from alight.compiled.light_tree import LightRow, by_power
 from alight.compiled.shapes import CompiledShapes
-from alight.core.distributions import cumulative
 from alight.core.errors import Issue, SceneError
 from alight.lights.model import LIGHTS
 from alight.lights.tables import EmittingLights, LightTables
@@ -67,7 +66,7 @@ def _table(row: LightRow, shapes: CompiledShapes) -> np.ndarray | None:
     """What is chosen on one light: a triangle, or by the light's own table."""
     if row.shape >= 0:
         formula = SHAPES[shapes.rows[row.shape].kind].has_formula
-        return None if formula else cumulative(row.areas)
+        return None if formula else row.by_triangle
     table = LIGHTS[row.kind].emission_table
     return table(row.light) if table and row.light is not None else None
 

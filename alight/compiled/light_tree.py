@@ -93,6 +93,11 @@ class LightRow(NamedTuple):
         """Luminance times area of its triangles, or of its shape, m^2."""
         return self.areas * (self.brightness if self.spread is None else self.spread.brightness)
 
+    @property
+    def by_triangle(self) -> NDArray[np.float32]:
+        """The distribution of the triangles of its mesh: by their light, where a texture tells."""
+        return cumulative(self.areas if self.spread is None else self.strengths)
+
 
 class Choosing(NamedTuple):
     """How a light is chosen.

@@ -23,8 +23,8 @@ from alight.compiled.light_tree import (
     shining_shapes,
 )
 from alight.compiled.shapes import CompiledShapes, compile_shapes
-from alight.core.distributions import cumulative
 from alight.core.spec import Light, Texture
+from alight.core.uv_sets import UV_SETS
 from alight.lights.environment_map import EMPTY, EnvironmentMap
 from alight.lights.model import LIGHTS
 from alight.lights.tables import (
@@ -183,8 +183,14 @@ def compile_lights(
     )
 
 
-def emitting_lights(flat: FlatScene) -> EmittingLights | None:
+def emitting_lights(flat: FlatScene, textures: Textures) -> EmittingLights | None:
     """Tables of lights at which light paths start, for scenes that were compiled without.
+
+    Parameters
+    ----------
+    flat : FlatScene
+    textures : Textures
+        The scene's.
 
     Returns
     -------
@@ -192,7 +198,9 @@ def emitting_lights(flat: FlatScene) -> EmittingLights | None:
         None where there is a light at which none can start.
     """
     flat = displaced(flat)
-    found = compile_lights(flat, compile_shapes(flat), "power", emits="if possible").tables
+    shapes = compile_shapes(flat, uv_sets=UV_SETS in textures.names)
+    made = compile_lights(flat, shapes, "power", emits="if possible", textures=textures)
+    found = made.tables
     return found if isinstance(found, EmittingLights) else None
 
 
@@ -214,7 +222,7 @@ def _chosen_by_table(rows: list[LightRow], weights: np.ndarray, shapes: Compiled
     for i, row in enumerate(rows):
         if _has_triangles(row, shapes):
             starts[i] = sum(table.size for table in tables)
-            tables.append(cumulative(row.strengths if row.spread is not None else row.areas))
+            tables.append(row.by_triangle)
     return Choosing(tables, starts, np.diff(cdf)[: len(rows)])
 
 

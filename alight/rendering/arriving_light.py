@@ -69,7 +69,7 @@ def gather(pilot: Pilot, seen: Seen, arrived: Arrived) -> np.ndarray:
     f_cos = np.nan_to_num(columns_of(lanes_of(f_cos, len(rows))))
     radiance = some.weight * f_cos * arrived.radiance[paths] * share[:, None]
     q = np.nan_to_num(wide(pdf, len(rows)).astype(np.float64)) * share * some.reached
-    return _by_size(some.point, some.cell, radiance, q)
+    return by_size(some.point, some.cell, radiance, q)
 
 
 def _nearest(arrived: Arrived, p: np.ndarray, normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -110,9 +110,7 @@ def _nearest(arrived: Arrived, p: np.ndarray, normal: np.ndarray) -> tuple[np.nd
     return near, reach
 
 
-def _by_size(
-    point: np.ndarray, cell: np.ndarray, radiance: np.ndarray, q: np.ndarray
-) -> np.ndarray:
+def by_size(point: np.ndarray, cell: np.ndarray, radiance: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Rows of `light_behind_glass`: at each point, light of samples of about the same size."""
     total = radiance.sum(axis=1)
     some = (total > 0.0) & (q > 0.0)

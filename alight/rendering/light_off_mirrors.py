@@ -38,7 +38,9 @@ from alight.lights.emission.density import is_kind
 from alight.lights.emission.from_environments import line_pdf
 from alight.lights.emission.sampling import emission_towards, sample_emission
 from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
+from alight.rendering.light_in_media import Beams, gather_in_media
 from alight.rendering.nearby_lamps import with_nearby_lamps
+from alight.rendering.pilot_media import medium_around
 from alight.rendering.pilot_rays import (
     MOST_SURFACES,
     Pilot,
@@ -97,16 +99,21 @@ class _Light(NamedTuple):
 def light_off_mirrors(sight: Sight, random: np.random.Generator) -> np.ndarray:
     """Look for it where the camera sees something: rows of `light_behind_glass`."""
     nothing, flat, scene = np.zeros((0, 7)), sight.flat, sight.scene
-    if not any(is_caster(bsdf) for bsdf in flat.bsdfs) or not len(sight.seen.point):
+    seen, collided = sight.seen, sight.collided
+    if not any(is_caster(bsdf) for bsdf in flat.bsdfs) or not len(seen.point) + len(collided.point):
         return nothing
     if sight.lights is None:
         return nothing
     pilot = Pilot(scene, random, scene.tables._replace(lights=sight.lights))
-    pilot = with_nearby_lamps(pilot, sight.seen)
+    pilot = with_nearby_lamps(pilot, seen)
     light = _set_out(pilot, boxes_of_casters(flat))
     casts = np.array([is_caster(bsdf) or has_holes(bsdf, {}) for bsdf in flat.bsdfs])
-    arrived = _follow(pilot, light, casts)
-    return gather(pilot, sight.seen, arrived) if len(arrived.share) >= NEAREST else nothing
+    arrived, beams = _follow(pilot, light, casts)
+    with np.errstate(all="ignore"):
+        table = gather_in_media(pilot, collided, beams)
+    if len(arrived.share) >= NEAREST and len(seen.point):
+        table = np.concatenate([gather(pilot, seen, arrived), table])
+    return table
 
 
 # ---------------------------------------------------------------- from the lamps
@@ -229,11 +236,13 @@ def _density(pilot, balls, p, d, around, pdf_p, pdf_d, cosine, times) -> np.ndar
 # ---------------------------------------------------------------- to what they light
 
 
-def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> Arrived:
-    """Where light arrives that a mirror or glass has turned."""
-    bsdf_of, found = pilot.tables.shapes.info.array[_BSDF::INFO], []
+def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> tuple[Arrived, list[Beams]]:
+    """Where light arrives that a mirror or glass has turned, and its ways in media."""
+    bsdf_of, found, beams = pilot.tables.shapes.info.array[_BSDF::INFO], [], []
     for _ in range(MOST_SURFACES):
         hit = pilot.hits(light.o, light.d, light.times)
+        if pilot.program.media:
+            beams.append(_beams(pilot, light.some(light.turned), hit.t[light.turned]))
         # Light that nothing has turned yet is found by light sampling where it meets what is matte.
         met = np.isfinite(hit.t) & (light.turned | casts[bsdf_of[hit.shape]])
         light, hit = light.some(met), picked(hit, met)
@@ -257,4 +266,18 @@ def _follow(pilot: Pilot, light: _Light, casts: np.ndarray) -> Arrived:
             turned=light.turned | sharp,
             aside=light.aside | reflected | (light.turned & ~passed),
         ).some((turns.pdf > 0.0) & (passed | light.turned))
-    return all_of(found)
+    return all_of(found), beams
+
+
+def _beams(pilot: Pilot, light: _Light, length: np.ndarray) -> Beams:
+    medium = medium_around(pilot, light.o, light.d, light.times)
+    found = Beams(
+        o=light.o,
+        d=light.d,
+        length=length,
+        radiance=light.radiance,
+        share=light.share,
+        medium=medium,
+        times=light.times,
+    )
+    return picked(found, medium != 0)

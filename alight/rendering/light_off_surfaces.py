@@ -24,7 +24,7 @@ lamp, fog beside it. What it leaves of the light on the first way, light samplin
 ways light paths collide or pass, as paths from the camera do.
 
 How bright a patch is and how often it is met follow from there as they do for mirrors. Light that a
-medium scatters straight into the camera is not looked for.
+medium scatters straight into the camera is that of `alight.rendering.light_in_media`.
 
 Source: Veach 1997, sections 8.3 and 9.2; Jensen 1996.
 """
@@ -48,6 +48,7 @@ from alight.lights.tables import STRIDE
 from alight.lights.tree.traversal import mis_probability
 from alight.lights.tree.ways import with_ways
 from alight.rendering.arriving_light import NEAREST, Arrived, all_of, gather
+from alight.rendering.light_in_media import Beams, gather_in_media
 from alight.rendering.nearby_lamps import with_nearby_lamps
 from alight.rendering.pilot_media import (
     Flown,
@@ -151,17 +152,17 @@ def light_off_surfaces(sight: Sight) -> np.ndarray | None:
         return None
     if not scene.program.lights or longest < _EDGES:
         return None
-    if sight.lights is None or not len(sight.seen.point):
+    if sight.lights is None or not len(sight.seen.point) + len(sight.collided.point):
         return None
     both = scene.tables._replace(lights=_both(scene.tables.lights, sight.lights))
     lit = with_nearby_lamps(Pilot(scene, sight.random(), both), sight.seen)
     mirrors = any(is_caster(bsdf) for bsdf in sight.flat.bsdfs)
     # What light misses is no number.
     with np.errstate(all="ignore"):
-        arrived = _follow(lit, _set_out(lit), mirrors, longest - _EDGES + 1)
-    if len(arrived.share) < NEAREST:
-        return None
-    table = gather(lit, sight.seen, arrived)
+        arrived, beams = _follow(lit, _set_out(lit), mirrors, longest - _EDGES + 1)
+        table = gather_in_media(lit, sight.collided, beams)
+    if len(arrived.share) >= NEAREST and len(sight.seen.point):
+        table = np.concatenate([gather(lit, sight.seen, arrived), table])
     table = table[table[:, 5] * CELL_SIZE**2 * _FIRST < _OFTEN]
     return table if len(table) else None
 
@@ -204,15 +205,16 @@ def _set_out(pilot: Pilot) -> _Light:
     ).some(good)
 
 
-def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> Arrived:
-    """Where light arrives that something has scattered, at most so often."""
-    found, random = [], pilot.random
+def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> tuple[Arrived, list[Beams]]:
+    """Where light arrives that something has scattered, at most so often; its ways in media."""
+    found, beams, random = [], [], pilot.random
     light = light._replace(medium=medium_around(pilot, light.o, light.d, light.times))
     clouds = _nobody(light)
     for _ in range(_MOST_IN_MEDIA if pilot.program.media else MOST_SURFACES):
         # What a medium has scattered goes on with the rest.
         light = joined([light, clouds])
         hit = pilot.hits(light.o, light.d, light.times)
+        beams.append(_beams(light, hit))
         light, hit, clouds = _through_media(pilot, light, hit)
         clouds = clouds.some(clouds.turns <= most)
         n = len(light.share)
@@ -244,7 +246,21 @@ def _follow(pilot: Pilot, light: _Light, mirrors: bool, most: int) -> Arrived:
             way=way,
             medium=beyond(pilot, surface, turns.d, light.medium, light.times),
         ).some(on)
-    return all_of(found)
+    return all_of(found), beams
+
+
+def _beams(light: _Light, hit: Hit) -> Beams:
+    """Ways in media of light that something has scattered."""
+    on = light._replace(way=hit.t).some(light.turned & (light.medium != 0))
+    return Beams(
+        o=on.o,
+        d=on.d,
+        length=on.way,
+        radiance=on.radiance,
+        share=on.share,
+        medium=on.medium,
+        times=on.times,
+    )
 
 
 def _nobody(light: _Light) -> _Light:

@@ -28,7 +28,7 @@ def with_nearby_lamps(pilot: Pilot, seen: Seen) -> Pilot:
     """The pilot, with other probabilities of lamps; its tables are those of lights that emit."""
     lights = pilot.tables.lights
     n = lights.info.array.size // INFO
-    if n < 2:
+    if n < 2 or not len(seen.point):
         return pilot
     by_nearness = _nearness(pilot, n, seen)
     if not by_nearness.any():

@@ -22,7 +22,7 @@ from alight.compiled.scene import CompiledScene
 from alight.core.vec import Vec3
 from alight.films import CELL_SIZE
 from alight.integrators.walk import to_local, to_world
-from alight.rendering.pilot_media import Way, beyond, medium_of_camera, transmittance
+from alight.rendering.pilot_media import Way, beyond, flown, medium_of_camera, transmittance
 from alight.shapes.hit import Hit, Surface, spawn_origin
 from alight.shapes.surfaces import make_surface
 from lanewise.jit import instantiate
@@ -36,6 +36,10 @@ MOST_SURFACES = 16
 #: Densities of directions from which on a material counts as smooth, per steradian: lamps of half a
 #: degree look as sharp in it as they are.
 SHARP = 1e4
+
+#: Flights of each of the camera's rays through media: the first that collides tells where, all tell
+#: how often.
+_FLIGHTS = 8
 
 #: Wavelength at which dispersive glass is evaluated, nanometres.
 _GREEN = np.float32(550.0)
@@ -188,8 +192,41 @@ class Seen(NamedTuple):
         return Seen(*(picked(part, rows) for part in self))
 
 
-def seen_points(pilot: Pilot) -> Seen:
-    """Draw `POINTS` of the film, and follow what is seen there to a surface that scatters light."""
+class Collided(NamedTuple):
+    """Where media scatter light into the rays of the camera.
+
+    Attributes
+    ----------
+    point, cell, times, reached
+        As of `Seen`.
+    p : (n, 3) float64
+    d : Vec3
+        The ray that has collided.
+    weight : (n, 3) float64
+        What is left of light that is scattered there, times the probability to collide.
+    medium : (n,) uint32
+        Row of the medium.
+    """
+
+    point: np.ndarray
+    cell: np.ndarray
+    p: np.ndarray
+    d: Vec3
+    weight: np.ndarray
+    times: np.ndarray
+    reached: np.ndarray
+    medium: np.ndarray
+
+    def some(self, rows: np.ndarray) -> Collided:
+        """These rows, or those of a mask."""
+        return Collided(*(picked(part, rows) for part in self))
+
+
+def seen_points(pilot: Pilot) -> tuple[Seen, Collided]:
+    """Draw `POINTS` of the film, and follow what is seen there to a surface that scatters light.
+
+    On the way one path of each collides in media, or passes.
+    """
     scene, random = pilot.scene, pilot.random
     x, y, w, h = scene.crop or (0, 0, *scene.size)
     at = (x + w * random.random(POINTS), y + h * random.random(POINTS))
@@ -213,6 +250,9 @@ def seen_points(pilot: Pilot) -> Seen:
         reached=np.ones(POINTS),
     )
     found, medium = [], medium_of_camera(pilot, POINTS)
+    # Random numbers of their own: surfaces are the same as without media.
+    aside = Pilot(scene, np.random.default_rng(1))
+    collided = [_collided(aside, on, medium)]
     for _ in range(MOST_SURFACES):
         met = np.isfinite(on.hit.t)
         on, medium = on.some(met), medium[met]
@@ -228,7 +268,33 @@ def seen_points(pilot: Pilot) -> Seen:
         medium = beyond(pilot, surface, turns.d, medium, on.times)[passed]
         on = on._replace(o=o, d=turns.d, weight=on.weight * turns.weight).some(passed)
         on = on._replace(hit=pilot.hits(on.o, on.d, on.times))
-    return Seen(*(joined(parts) for parts in zip(*found, strict=True))) if found else on
+        collided.append(_collided(aside, on, medium))
+    return joined(found) if found else on, joined(collided)
+
+
+def _collided(pilot: Pilot, on: Seen, medium: np.ndarray) -> Collided:
+    """Where the camera's rays collide before their next surface, and how often."""
+    way = Way(on.o, on.d, on.hit.t, medium, on.times)
+    often, place = np.zeros(len(medium)), np.zeros(len(medium))
+    left = np.zeros((len(medium), 3))
+    for _ in range(_FLIGHTS if medium.any() else 0):
+        flight = flown(pilot, way)
+        first = flight.scattered & (often == 0.0)
+        place = np.where(first, flight.t, place)
+        left = np.where(first[:, None], flight.weight * flight.albedo, left)
+        often += flight.scattered / _FLIGHTS
+    there = often > 0.0
+    on, place, often = on.some(there), place[there, None], often[there]
+    return Collided(
+        point=on.point,
+        cell=on.cell,
+        p=columns_of(on.o) + place * columns_of(on.d),
+        d=on.d,
+        weight=on.weight * left[there] * often[:, None],
+        times=on.times,
+        reached=on.reached * often,
+        medium=medium[there],
+    )
 
 
 # ---------------------------------------------------------------- arrays and vectors of them

@@ -20,6 +20,9 @@ RADIUS, LAMP, MIRROR, SIDE = 0.01, 1.0, 1.5, 1.0
 IMAGE = 2 * MIRROR - LAMP
 RADIANCE, ALBEDO = 1e4, 0.4
 
+#: Height of the camera, metres.
+EYE = 1.4
+
 #: Its reflecting side is below.
 STILL = {
     "scale": 9.0,
@@ -29,7 +32,9 @@ STILL = {
 STEPS = [{name: value} for name, value in STILL.items()]
 
 
-def room(*, mirror="mirror", place=None, lamp=None, integrator=None, below=()):
+def room(
+    *, mirror="mirror", place=None, lamp=None, integrator=None, below=(), more=None, medium=None
+):
     """A matt floor seen from above, under a horizontal mirror; `below` it are stronger lamps."""
     at = lamp or {"translate": [0, 0, LAMP]}
     nodes = {
@@ -46,13 +51,14 @@ def room(*, mirror="mirror", place=None, lamp=None, integrator=None, below=()):
             "shape": {"type": "sphere", "radius": 30 * RADIUS},
             "transform": {"translate": [3.0 * i, 0, -50.0]},
         }
+    nodes |= more or {}
     # Below the mirror, so that the floor is seen directly.
-    look = {"origin": [0, 0, 1.4], "target": [0, 0, 0], "up": [0, 1, 0]}
+    look = {"origin": [0, 0, EYE], "target": [0, 0, 0], "up": [0, 1, 0]}
     return alight.load({
         "alight": 1, "film": {"size": [32, 32]}, "integrator": integrator or {"type": "path"},
         "nodes": nodes,
         "camera": {"type": "orthographic", "height": 2 * SIDE, "transform": {"look_at": look}},
-    })  # fmt: skip
+    } | ({"medium": medium} if medium else {}))  # fmt: skip
 
 
 def found_in(scene):
@@ -91,6 +97,27 @@ def test_a_mirror_is_a_window_to_an_image_of_the_lamp(changes):
     light, q = of_image()
     assert table[:, 2].sum() / POINTS == pytest.approx(light, rel=0.08)
     assert table[:, 5].sum() / POINTS == pytest.approx(q, rel=0.08)
+
+
+def test_a_mirror_shows_a_texel_as_it_shows_a_lamp_of_its_size():
+    """A dark screen below the mirror, one texel in its middle; a small lamp on a board."""
+    n, half = 65, 0.2
+    pixels = [[0.0] * n for _ in range(n)]
+    pixels[n // 2][n // 2] = 1e6
+    picture = {"type": "bitmap", "pixels": pixels, "interpolation": "nearest"}
+    black = {"type": "diffuse", "reflectance": 0}
+    found = []
+    for radiance, size in ((picture | {"color_space": "linear"}, half), (1e6, half / n)):
+        screen = {
+            "shape": "rectangle", "bsdf": black, "light": {"type": "area", "radiance": radiance},
+            "transform": [{"scale": size}, {"translate": [0, 0, LAMP]}],
+        }  # fmt: skip
+        board = {"shape": "rectangle", "bsdf": black}
+        board["transform"] = [{"scale": half}, {"translate": [0, 0, LAMP - 1e-4]}]
+        table = found_in(room(more={"lamp": screen, "board": board}))
+        assert table is not None
+        found.append(table[:, 2].sum() / POINTS)
+    assert found[0] == pytest.approx(found[1], rel=0.1)
 
 
 @pytest.mark.parametrize(

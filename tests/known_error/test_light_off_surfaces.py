@@ -89,6 +89,29 @@ def test_a_lit_card_gives_the_light_that_it_throws_and_is_met_as_often_as_it_is_
     assert square == pytest.approx(ALBEDO**2 * (met * radiance**2).sum(), rel=0.1)
 
 
+def test_a_texel_throws_as_much_as_a_lamp_of_its_size():
+    """A dark screen below the card, one texel at its rim; a small lamp at the rim of a board."""
+    n, half = 64, 0.06
+    pixels = [[0.0] * n for _ in range(n)]
+    pixels[n // 2][n - 1] = 1e6
+    picture = {"type": "bitmap", "pixels": pixels, "interpolation": "nearest"}
+    black = {"type": "diffuse", "reflectance": 0}
+    found = []
+    for shining, x, y, size in (
+        (picture | {"color_space": "linear"}, 0.0, 0.0, half),
+        (1e6, half - half / n, -half / n, half / n),
+    ):
+        place = [{"scale": size}, {"translate": [x, y, HEIGHT - CLOSE]}]
+        light = {"type": "area", "radiance": shining}
+        lamp = {"shape": "rectangle", "bsdf": black, "light": light, "transform": place}
+        below = [{"scale": half}, {"translate": [0, 0, HEIGHT - CLOSE - 1e-4]}]
+        board = {"shape": "rectangle", "bsdf": black, "transform": below}
+        table = found_in(room(lamp=lamp, board=board))
+        assert table is not None
+        found.append(table[:, 2].sum() / POINTS)
+    assert found[0] == pytest.approx(found[1], rel=0.1)
+
+
 @pytest.mark.parametrize("choice", ["tree", "uniform"])
 def test_lamps_at_a_point_are_as_likely_as_light_sampling_has_them(choice):
     """Far and dark lamps below the floor, which a tree hardly asks from the card."""
@@ -191,7 +214,7 @@ def test_pilots_share_what_they_begin_with(monkeypatch):
     for name in ("seen_points", "emitting_lights"):
         make = getattr(sight_module, name)
         monkeypatch.setattr(
-            sight_module, name, lambda one, name=name, make=make: calls.append(name) or make(one)
+            sight_module, name, lambda *a, name=name, make=make: calls.append(name) or make(*a)
         )
     flat = flatten(room())
     sight = Sight(flat, compile_scene(flat))

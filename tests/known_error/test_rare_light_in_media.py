@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from alight.rendering.pilot_rays import POINTS
+from tests.known_error import test_light_off_mirrors as mirrors
 from tests.known_error.test_light_off_surfaces import (
     ALBEDO,
     CARD,
@@ -95,3 +96,36 @@ def test_a_hole_on_the_way_to_a_lit_card_changes_nothing(lamp):
     square = ALBEDO**2 * (met * radiance**2).sum()
     assert table[:, 2].sum() / POINTS == pytest.approx(light, rel=0.08)
     assert (table[:, 2] ** 2 / table[:, 6]).sum() / POINTS == pytest.approx(square, rel=0.1)
+
+
+#: Fog under a mirror that makes an image of a lamp: of what reaches it, fog scatters all.
+FOG = 0.5
+
+
+def in_fog(n=16, steps=40):
+    """Of fog that the camera sees in the light of the image: radiance, and how often it is met."""
+    x, y = np.meshgrid(*2 * [(np.arange(n) + 0.5) / n * 2 * mirrors.SIDE - mirrors.SIDE])
+    s = (np.arange(steps) + 0.5)[:, None, None] / steps * mirrors.EYE
+    z = mirrors.EYE - s
+    square = x**2 + y**2 + (mirrors.IMAGE - z) ** 2
+    last = np.sqrt(square) * (mirrors.MIRROR - z) / (mirrors.IMAGE - z)
+    met = FOG * np.exp(-FOG * (s + last)) / 4 * mirrors.RADIUS**2 / square
+    met = met.mean() * mirrors.EYE
+    return met * mirrors.RADIANCE, met
+
+
+def test_light_that_fog_scatters_into_the_camera_is_known():
+    medium = {"type": "homogeneous", "sigma_t": FOG, "albedo": 1}
+    dark = {"shape": "plane", "bsdf": {"type": "diffuse", "reflectance": 0}}
+    scene = mirrors.room(integrator="volpath", medium=medium, more={"floor": dark})
+    table = mirrors.found_in(scene)
+    light, met = in_fog()
+    assert table[:, 2].sum() / POINTS == pytest.approx(light, rel=0.1)
+    assert table[:, 5].sum() / POINTS == pytest.approx(met, rel=0.1)
+
+
+def test_light_of_a_frosted_bulb_that_only_fog_shows_is_looked_for():
+    medium = {"type": "homogeneous", "sigma_t": FOG, "albedo": 1}
+    dark = {"shape": "plane", "bsdf": {"type": "diffuse", "reflectance": 0}}
+    table = found_in(room(None, {"type": "volpath"}, medium, lamp=lamp_of(), floor=dark))
+    assert table is not None and table[:, 2].sum() > 0.0

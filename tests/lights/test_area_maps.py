@@ -7,7 +7,7 @@ from alight.accel import intersect_closest
 from alight.compiled.scene import compile_scene
 from alight.core.distributions import UNIT
 from alight.formats import loads
-from alight.lights.area_map import share_of, square_of
+from alight.lights.area_map import share_of, square_density, square_of
 from alight.lights.hits import emitted, light_pdf
 from alight.lights.sampling import sample_light
 from alight.lights.tables import MAP_START, MAPPED, STRIDE, TEXTURED
@@ -19,7 +19,7 @@ from tests.shapes.tracing import directions, finite, rows, vec
 
 N = 16_000
 #: One texel shines a thousand times as bright as the others.
-TEXEL = [[1.0 if (x, y) != (5, 2) else 1000.0 for x in range(8)] for y in range(8)]
+TEXEL = [[1.0 if (x, y) != (6, 2) else 1000.0 for x in range(8)] for y in range(8)]
 SHAPES = {
     "rectangle": "rectangle",
     "disk": "disk",
@@ -136,9 +136,18 @@ def test_places_are_chosen_as_the_density_says(view):
 def test_far_rectangles_are_drawn_by_their_picture_and_near_ones_by_what_stands_out():
     scene = lamp("rectangle")
     at = scene.tables.lights.data.array.view(np.uint32)[MAP_START : MAP_START + 1]
-    for z, share in ((1.0, 0.5), (1e4, 1.0)):
+    # The corners are the root of two away from the middle.
+    for z, share in ((1.0, 0.5), (2.0, 0.75), (1e4, 1.0)):
         found = run(scene, share_of, at, vec([[0.0], [0.0], [z]]))
-        np.testing.assert_allclose(found, share, atol=1e-6)
+        np.testing.assert_allclose(found, share, atol=5e-3)
+
+
+def test_the_last_cell_holds_the_edge_of_the_square():
+    scene = lamp("rectangle", [[1.0, 50.0], [2.0, 90.0]], "interpolation: nearest")
+    at = scene.tables.lights.data.array.view(np.uint32)[[MAP_START] * 3]
+    edge, inside = (np.float32([[a, 0.3, a], [0.3, a, a]]) for a in (1.0, 0.9999))
+    found, wanted = (run(scene, square_density, at, x, y) for x, y in (edge, inside))
+    np.testing.assert_array_equal(found, wanted)
 
 
 def test_points_are_weighed_in_the_cell_that_they_were_drawn_in():
@@ -185,17 +194,17 @@ def test_lamps_are_known_by_the_part_of_the_picture_that_they_show():
 
 
 def test_triangles_are_chosen_by_their_light():
-    scene = lamp("mesh", pixels=[[8.0, 8.0], [0.0, 8.0]], more="interpolation: nearest")
+    scene = lamp("mesh", pixels=[[8.0, 8.0], [8.0, 0.0]], more="interpolation: nearest")
     cdf = scene.tables.lights.cdf.array[2:5]
     v = np.array([[-1, -1, 0], [1, -1, 0.2], [1, 1, 0], [-0.3, 0.6, 0.3]])
     areas = [0.5 * np.linalg.norm(np.cross(v[b] - v[0], v[b + 1] - v[0])) for b in (1, 2)]
-    # A quarter of the picture is dark, below on the left: as barycentrics tell, by a fine grid.
+    # A quarter of the picture is dark, below on the right: as barycentrics tell, by a fine grid.
     b1, b2 = np.mgrid[:400, :400] / 400.0 + 1.0 / 1200.0
     inside = b1 + b2 < 1.0
     uv = np.array([[0, 0], [1, 0], [1, 1], [0.1, 1]])
     powers = []
     for area, a in zip(areas, (1, 2), strict=True):
         s, t = (b1 * uv[a, i] + b2 * uv[a + 1, i] for i in (0, 1))
-        powers.append(area * np.mean(((s > 0.5) | (t > 0.5))[inside]))
+        powers.append(area * np.mean(((s < 0.5) | (t > 0.5))[inside]))
     assert np.diff(cdf)[0] == pytest.approx(powers[0] / sum(powers), abs=5e-3)
     assert np.diff(cdf)[1] > UNIT

@@ -66,7 +66,7 @@ BEHIND_GLASS = (
     Mutant(
         "mirrors that are met by every sample",
         "rendering/arriving_light.py",
-        (("* share * some.reached\n    return _by_size", "* 0.0 + 1.0\n    return _by_size"),),
+        (("* share * some.reached\n    return by_size", "* 0.0 + 1.0\n    return by_size"),),
         f"{MIRRORS}::test_a_picture_that_no_such_light_has_met_is_not_promised",
     ),
     Mutant(
@@ -208,5 +208,33 @@ BEHIND_GLASS = (
         (("value * (wider / index / safe)", "value * (wider / safe)"),),
         "tests/known_error/test_magnified_lamps.py"
         "::test_a_ball_shows_a_lamp_inside_by_the_formula_of_one_refracting_surface[0.0]",
+    ),
+    Mutant(
+        "light of beams that the medium leaves as it is",
+        "rendering/light_in_media.py",
+        (("at.weight * edge.radiance * left * share", "at.weight * edge.radiance * share"),),
+        "tests/known_error/test_rare_light_in_media.py"
+        "::test_light_that_fog_scatters_into_the_camera_is_known",
+    ),
+    Mutant(
+        "collisions of the camera's rays as if all collided",
+        "rendering/pilot_rays.py",
+        (("left[there] * often[:, None]", "left[there]"),),
+        "tests/known_error/test_rare_light_in_media.py"
+        "::test_light_that_fog_scatters_into_the_camera_is_known",
+    ),
+    Mutant(
+        "beams by their distance, not its square",
+        "rendering/light_in_media.py",
+        (("least, square[least]", "least, np.sqrt(square[least])"),),
+        "tests/known_error/test_rare_light_in_media.py"
+        "::test_light_that_fog_scatters_into_the_camera_is_known",
+    ),
+    Mutant(
+        "fog that only mirrors light",
+        "rendering/light_off_surfaces.py",
+        ((".some(light.turned & (", ".some(light.turned & ~light.turned & ("),),
+        "tests/known_error/test_rare_light_in_media.py"
+        "::test_light_of_a_frosted_bulb_that_only_fog_shows_is_looked_for",
     ),
 )

@@ -23,6 +23,7 @@ from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
 from tests.mutants.laboratory import LABORATORY
 from tests.mutants.laid_down import LAID_DOWN
+from tests.mutants.lamp_maps import LAMP_MAPS
 from tests.mutants.large_pictures import LARGE_PICTURES
 from tests.mutants.laws import LAWS
 from tests.mutants.lights import LIGHT
@@ -54,6 +55,7 @@ from tests.mutants.waves import WAVES
 MUTANTS = (
     SCATTERING
     + LIGHT
+    + LAMP_MAPS
     + EMISSION
     + BOTH_ENDS
     + COLOURED_GLASS

@@ -13,8 +13,8 @@ Bidirectional path tracing weighs its techniques by quotients of densities. At t
 which is the density of `alight.lights.emission.sampling.sample_emission`, per square metre of the
 first surface and per steradian towards the light, over both cosines; and c, that of light sampling
 per steradian. Weights may take any function of the path for them: on a shape, K has points uniform
-by area; for a light that cannot be hit, c is the probability that a light path starts there, which
-asks no light tree for the way to a lamp.
+by area, also where a texture has a map; for a light that cannot be hit, c is the probability that a
+light path starts there, which asks no light tree for the way to a lamp.
 
 Source: Georgiev, Implementing vertex connection and merging, 2012 (directional, positional and
 direct densities of lights).

@@ -1,6 +1,9 @@
-r"""Light that leaves shapes: a point by its area, a direction by its cosine.
+r"""Light that leaves shapes: a point by its area or its light, a direction by its cosine.
 
 .. math:: p_A = 1 / A, \qquad p_\omega = \cos\theta / \pi
+
+Where a texture has a map, the point is drawn by the map (`alight.lights.area_map`): in proportion
+to its light.
 
 Source: PBR4 section 16.1.2.
 """
@@ -11,24 +14,54 @@ from alight.core.constants import INV_PI, PI
 from alight.core.frame import frame_from_normal, to_world
 from alight.core.vec import dot, normalize
 from alight.core.warps import square_to_cosine_hemisphere
+from alight.lights.area_map import draw, map_at, square_density
 from alight.lights.hits import radiance_of_shape
 from alight.lights.shining import sample_area
-from alight.lights.tables import INFO, Emission
+from alight.lights.tables import INFO, MAPPED, Emission
 from alight.shapes.hit import Hit, spawn_origin
 from alight.shapes.surfaces import surface_from_rest
-from lanewise.jit import kernel
-from lanewise.simd import gather, lanes, lanes_mask, lanes_u32, lanes_vec3, maximum, where
+from lanewise.jit import kernel, specialised
+from lanewise.simd import (
+    any_lane,
+    gather,
+    lanes,
+    lanes_mask,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    where,
+)
 
 
-@kernel
-def place_on_shape(scene, index, u, u2):
-    """A point of the lights `index`, which are shapes: (surface, density per square metre)."""
-    shape, start = gather(scene.lights.info, index * INFO + 1), gather(scene.lights.starts, index)
-    shape = lanes_u32(0) + shape
-    s = sample_area(scene.shapes, scene.lights.emission, start, shape, u, u2)
-    # The point is the hit of a ray that ends before it has begun.
-    hit = Hit(lanes(0.0), lanes(0.0) + s.u, lanes(0.0) + s.v, shape, lanes_u32(0) + s.prim)
-    return surface_from_rest(scene, hit, s.p, lanes_vec3(1.0), lanes_mask(True)), s.pdf
+@specialised
+def place_on_shape(program):
+    """``place_on_shape(scene, index, u, u2) -> (surface, density per square metre)``.
+
+    A point of the lights `index`, which are shapes.
+    """
+    mapped = MAPPED in program.lights
+
+    @kernel
+    def place_on_shape(scene, index, u, u2):
+        shape = gather(scene.lights.info, index * INFO + 1)
+        start = gather(scene.lights.starts, index)
+        shape, cdf = lanes_u32(0) + shape, scene.lights.emission
+        s = sample_area(scene.shapes, cdf, start, shape, u, u2)
+        density = lanes(0.0) + s.pdf
+        if mapped:
+            at = map_at(scene, index, lanes_u32(0) + s.prim)
+            chosen = at != 0
+            if any_lane(chosen):
+                x, y = draw(scene, at, u, u2)
+                square = where(chosen, x, u2[0]), where(chosen, y, u2[1])
+                s = sample_area(scene.shapes, cdf, start, shape, u, square)
+                density = where(chosen, s.pdf * square_density(scene, at, x, y), s.pdf)
+        # The point is the hit of a ray that ends before it has begun.
+        hit = Hit(lanes(0.0), lanes(0.0) + s.u, lanes(0.0) + s.v, shape, lanes_u32(0) + s.prim)
+        surface = surface_from_rest(scene, hit, s.p, lanes_vec3(1.0), lanes_mask(True))
+        return surface, density
+
+    return place_on_shape
 
 
 @kernel
