@@ -321,6 +321,26 @@ def test_a_turntable_says_that_it_leaves_out_the_cameras_own_motion(moves):
     assert len(told) == moves
 
 
+@pytest.mark.parametrize(
+    ("place", "words", "told"),
+    [
+        (None, {"frames": "0:2"}, True), ("camera", {"frames": "0:2"}, False),
+        ("node", {"frames": "0:2"}, False), ("prototype", {"frames": "0:2"}, False),
+        (None, {"frames": "3:4"}, False), (None, {"turntable": True}, False),
+    ],
+)  # fmt: skip
+def test_an_animation_in_which_nothing_moves_says_so(place, words, told):
+    frames = {"transform": {"keyframes": [{"time": 0}, {"time": 1, "translate": [1, 0, 0]}]}}
+    moving = {name: frames if name == place else {} for name in ("camera", "node", "prototype")}
+    scene = alight.load({
+        "camera": {"type": "pinhole", **moving["camera"]},
+        "nodes": {"ball": {"shape": "sphere", **moving["node"]}, "another": {"instance": "part"}},
+        "prototypes": {"part": {"shape": "sphere", **moving["prototype"]}},
+    })  # fmt: skip
+    made = Animation(scene, AnimationOptions(output="f_#.png", **words))
+    assert any("all frames show the same" in text for text in made.prepared.warnings()) == told
+
+
 def test_layers_that_no_file_of_a_frame_keeps_are_told(tmp_path):
     words = ["--frames", "0:1", "--aov", "albedo", "-o"]
     assert "only EXR keeps layers" in command(*words, tmp_path / "f_####.png").output
