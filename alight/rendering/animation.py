@@ -153,8 +153,8 @@ class Animation:
             self.prepared.useless.append((text, ("turntable",)))
         if not options.turntable and len(self.numbers) > 1 and is_still(self.scene):
             text = (
-                "nothing in the scene has keyframes: all frames show the same. {turntable} turns "
-                "the camera; {at} shows a glTF or OpenUSD file at one time"
+                "nothing in the scene has keyframes, so all frames are alike; {turntable} turns "
+                "the camera, and {at} shows a glTF or OpenUSD file at one time"
             )
             self.prepared.useless.append((text, ("frames", "turntable", "at")))
         # What the scene sets already is not set again for every frame; denoising has added layers.
