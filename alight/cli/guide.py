@@ -21,7 +21,7 @@ def guide(
     as_json: Annotated[bool, typer.Option("--json", help="Print all numbers as JSON.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw what a trained guide knows at a point, beside the light that arrives there."""
+    """Draw what a trained guide knows at a point, next to the light that arrives there."""
     import alight
     from alight.cli.reporting import warn_of_scene
     from alight.lab.panels import check_sheet

@@ -44,7 +44,7 @@ from alight.rendering import main_loop
 from alight.rendering.executors.blocks import Crew, Threads
 from alight.rendering.executors.cluster_executor import joined
 from alight.rendering.frame_files import FRAME, label_in, numbered
-from alight.rendering.frame_scenes import at_time, middle, turned
+from alight.rendering.frame_scenes import at_time, is_still, middle, turned
 from alight.rendering.job import Progress
 from alight.rendering.render import prepare
 from alight.rendering.resources import usable_processors
@@ -151,6 +151,12 @@ class Animation:
         if options.turntable and place_camera(self.scene).motion is not None:
             text = "{turntable} takes the camera as it is at first, without its motion"
             self.prepared.useless.append((text, ("turntable",)))
+        if not options.turntable and len(self.numbers) > 1 and is_still(self.scene):
+            text = (
+                "nothing in the scene has keyframes, so all frames are alike; {turntable} turns "
+                "the camera, and {at} shows a glTF or OpenUSD file at one time"
+            )
+            self.prepared.useless.append((text, ("frames", "turntable", "at")))
         # What the scene sets already is not set again for every frame; denoising has added layers.
         self.single = self.prepared.options.with_loaded_scene()
         #: By frame: threads are done in any order.

@@ -6,6 +6,8 @@ import numpy as np
 
 from alight.scene import Node, Scene, SceneManager
 from alight.scene.flatten import FlatScene, place_camera
+from alight.scene.keyframes import Keyframes
+from alight.scene.nodes import all_nodes
 from alight.scene.transform import matrix, rotate, translate
 from alight.shapes.model import SHAPES
 
@@ -22,6 +24,14 @@ def at_time(scene: Scene, number: int, fps: float) -> Scene:
     if isinstance(named, str):
         return SceneManager(scene).replace(named, node).scene.made_from(scene)
     return scene.replaced(camera=node).made_from(scene)
+
+
+def is_still(scene: Scene) -> bool:
+    """Whether no node has keyframes, so that the scene is the same at any time."""
+    nodes = [node for _, node in all_nodes(scene)]
+    if isinstance(scene.camera, Node):
+        nodes.append(scene.camera)
+    return not any(isinstance(node.transform, Keyframes) for node in nodes)
 
 
 def turned(scene: Scene, pivot: np.ndarray, angle: float) -> Scene:

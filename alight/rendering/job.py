@@ -24,7 +24,7 @@ from alight.rendering.resources import peak_memory_mb
 from alight.rendering.schedules.passes import Work, ranges_of
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.seeds import PILOT, seed_of_round
-from alight.rendering.tiles.division import tiles_of
+from alight.rendering.tiles.division import tile_size, tiles_of
 from alight.rendering.tiles.light_paths import check_light_paths, parts_of
 from alight.rendering.tiles.tile import make_kernels, render_tile
 from alight.rendering.training.guide_training import Training
@@ -254,6 +254,12 @@ class Job:
         return None if self.time_limit is None else self.time_limit - self.seconds
 
     # ------------------------------------------------------------------------ rendering
+
+    def share_threads(self) -> None:
+        """Cut larger tiles, which cost less: another job fills the threads when these run out."""
+        if not self.splats:
+            window = self.rounds[0].crop
+            self.tiles = tiles_of(window, tile_size(window, self.threads))
 
     def start(self, progress: Callable | None) -> None:
         """Compile the kernel (or read it from the cache) by rendering no sample of one tile."""

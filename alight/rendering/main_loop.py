@@ -64,6 +64,8 @@ def _render_with(executor: Executor, scene: Scene, options: RenderOptions, clock
         aovs=options.aovs, planned=planned_spp(options, scene.source.remarks.spp),
     )  # fmt: skip
     job.time_limit = time_limit_of(options)
+    if executor.is_shared:
+        job.share_threads()
     writer = None
     if options.checkpoint is not None:
         origin = Origin.of(scene, options.notes)

@@ -240,7 +240,7 @@ class Scene(Spec):
     textures, bsdfs, media : dict, optional
         Textures, materials and media that others refer to by name.
     prototypes : dict of str to Node, optional
-        Trees of nodes for instances; nothing is rendered where they stand.
+        Trees of nodes for instances; they are rendered only where a node instances them.
     nodes : dict of str to Node, optional
         Roots of the scene graph.
     """

@@ -261,8 +261,9 @@ class LiveScene:
     def stop(self) -> None:
         """End the render where it is."""
         with self._news:
-            # What is rendered may be a view from which the camera has moved on.
-            if self._phase == "rendering" and self._number == self._wish.number:
+            # What is rendered may be a view from which the camera has moved on, and more samples
+            # may have been asked for that the loop has not begun.
+            if self.phase not in _ENDED and self._number == self._wish.number:
                 self._ask(replace(self._wish, stops=True))
 
     def close(self) -> None:

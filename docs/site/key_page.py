@@ -32,9 +32,9 @@ Every key of a scene file, made from the code that checks it; in Python these ar
 in place or named. An unknown key or a value out of range is an error that says where it is, what is
 allowed, and what was probably meant.
 
-The small pictures show what a key does, for the values beside its name; all else is the same in a
+The small pictures show what a key does, for the values next to its name; all else is the same in a
 strip. `docs/figures/key_scenes.py` has their scenes. Exposure, tone curves and white balance are
-no keys but options of a render: [display](display.md).
+not keys but options of a render: [display](display.md).
 
 """
 

@@ -71,6 +71,18 @@ BEYOND_EXAMPLES = (
         f"{ANIMATION}::test_a_turntable_goes_once_around_the_middle_of_the_scene[3:7]",
     ),
     Mutant(
+        "frames that share threads have the tiles of a picture alone",
+        "rendering/main_loop.py",
+        (("    if executor.is_shared:\n", "    if False:\n"),),
+        f"{ANIMATION}::test_frames_that_share_threads_have_larger_tiles",
+    ),
+    Mutant(
+        "an animation in which only the camera moves is taken to be still",
+        "rendering/frame_scenes.py",
+        (("        nodes.append(scene.camera)\n", "        pass\n"),),
+        f"{ANIMATION}::test_an_animation_in_which_nothing_moves_says_so",
+    ),
+    Mutant(
         "a pass of an animation as long as one row",
         "rendering/animation.py",
         (("* seconds / (width * height)", "* seconds / width"),),

@@ -31,6 +31,12 @@ VIEW = (
         f"{SESSION}::test_what_is_stopped_is_the_picture_of_this_view",
     ),
     Mutant(
+        "more samples cannot be stopped before the loop begins them",
+        "view/live.py",
+        (("if self.phase not in _ENDED and", 'if self._phase == "rendering" and'),),
+        f"{SESSION}::test_more_samples_can_be_stopped_before_the_loop_begins_them",
+    ),
+    Mutant(
         "a state ahead of the pictures that it tells of",
         "view/mailbox.py",
         (("sorted(self._newest, key=STATE.__eq__)", "sorted(self._newest, key=STATE.__ne__)"),),

@@ -132,6 +132,22 @@ def test_what_is_stopped_is_the_picture_of_this_view(session, tmp_path):
     assert content(film, tmp_path / "a.alight") == content(same, tmp_path / "b.alight")
 
 
+def test_more_samples_can_be_stopped_before_the_loop_begins_them(session, tmp_path):
+    settled(session)
+    # The loop waits.
+    with session.live._news:
+        session.apply(protocol.More())
+        session.apply(protocol.Stop())
+    wait_for(lambda: session.live.phase in ("done", "stopped"))
+    assert (session.live.phase, session.film.spp) == ("stopped", 4)
+    # And they can be asked for again.
+    session.apply(protocol.More())
+    wait_for(lambda: session.film.spp == 8)
+    film = settled(session)
+    same = alight.render("cornell-box", size=(24, 16), spp=8, threads=1)
+    assert content(film, tmp_path / "a.alight") == content(same, tmp_path / "b.alight")
+
+
 def test_a_thousand_moves_end_with_the_picture_of_the_last(session, tmp_path):
     settled(session)
     draw = np.random.default_rng(3)

@@ -56,6 +56,11 @@ class Executor(Protocol):
         ...
 
     @property
+    def is_shared(self) -> bool:
+        """Whether another job keeps its threads busy when this one runs out of blocks."""
+        ...
+
+    @property
     def note(self) -> str:
         """What progress says of who renders; empty for this process."""
         ...
@@ -129,6 +134,7 @@ class Threads:
 
     def __init__(self, crew: Crew | None = None) -> None:
         self._shared, self._own = crew, ExitStack()
+        self.is_shared = crew is not None
 
     def __enter__(self) -> Self:
         """Nothing to open."""

@@ -122,6 +122,11 @@ class ClusterExecutor:
         self._dispatcher.open()
 
     @property
+    def is_shared(self) -> bool:
+        """Tasks, which hold several tiles, are what workers wait for."""
+        return False
+
+    @property
     def adds_whole_samples(self) -> bool:
         """Light paths are added window by window; see `alight.rendering.executors.light_tasks`."""
         return True

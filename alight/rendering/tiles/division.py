@@ -10,14 +10,23 @@ from alight.rendering.tiles.tile_kernel import Tile
 #: sums (786 kB with 4 replicates) still fit a core's second-level cache.
 SMALL, LARGE = 32, 64
 
-#: So many large tiles are enough for any number of threads to share evenly.
-ENOUGH = 64
+#: So many large tiles are enough for any number of threads to share evenly, and so many for each
+#: thread where another picture keeps it busy when this one runs out of tiles.
+ENOUGH, ENOUGH_EACH = 64, 4
 
 
-def tile_size(window: tuple[int, int, int, int]) -> int:
-    """Side of the tiles of a window; it never changes the picture."""
+def tile_size(window: tuple[int, int, int, int], shared_by: int | None = None) -> int:
+    """Side of the tiles of a window; it never changes the picture.
+
+    Parameters
+    ----------
+    window : (x, y, width, height) in pixels of the full film
+    shared_by : int, optional
+        Threads that render another picture as well; by default they have this one alone.
+    """
     _, _, width, height = window
-    return LARGE if width * height >= ENOUGH * LARGE**2 else SMALL
+    enough = ENOUGH if shared_by is None else min(ENOUGH, ENOUGH_EACH * shared_by)
+    return LARGE if width * height >= enough * LARGE**2 else SMALL
 
 
 def tiles_of(window: tuple[int, int, int, int], size: int | None = None) -> list[Tile]:
