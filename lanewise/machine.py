@@ -15,6 +15,10 @@ from lanewise.application import LANEWISE, Application, application, setting, va
 #: What code is compiled for: this machine's processor, or any x86-64 processor since 2013 or so.
 NATIVE, PORTABLE = TARGETS = "native", "portable"
 
+#: The third target: PTX, which the driver of an NVIDIA GPU makes machine code of. A process that
+#: has chosen it makes kernels for others (`lanewise.ptx`) and runs none.
+PTX = "ptx"
+
 #: LLVM's name of the latter, the third level of the x86-64 ABI, and what it has beyond the first.
 #: None of its instructions gives other bits on a processor of another vendor but those that
 #: estimate reciprocals and their square roots, which LLVM is kept from using.
@@ -29,7 +33,7 @@ _target = NATIVE
 
 
 def target() -> str:
-    """What this process compiles for, one of `TARGETS`."""
+    """What this process compiles for: one of `TARGETS`, or `PTX`."""
     return _target
 
 
@@ -55,7 +59,7 @@ def features_of_target() -> dict[str, bool]:
     """What the processor that code is compiled for has, by LLVM's names."""
     if _target == PORTABLE:
         return dict.fromkeys(_PORTABLE_FEATURES, True)
-    return _features()
+    return _features() if _target == NATIVE else {}
 
 
 @cache
@@ -70,7 +74,9 @@ def _has_portable_features() -> bool:
 
 
 def lanes_of_machine() -> int:
-    """Packet width: 16 with AVX-512, else 8; ``LANEWISE_LANES`` overrides, but not if portable.
+    """Packet width: 16 with AVX-512, else 8; ``LANEWISE_LANES`` overrides if the target is native.
+
+    A thread of a GPU is one lane.
 
     Asked once: what is compiled later has the same width.
 
@@ -79,6 +85,8 @@ def lanes_of_machine() -> int:
     ValueError
         If the setting is none of 1, 4, 8 and 16.
     """
+    if _target == PTX:
+        return 1
     return _PORTABLE_LANES if _target == PORTABLE else _native_lanes()
 
 
@@ -125,6 +133,8 @@ def _describe_compiler(target: str) -> dict[str, str]:
         "platform": llvm.get_process_triple(),
         "target": target,
     }
+    if target == PTX:
+        return common
     if target == PORTABLE:
         other = "" if _has_portable_features() else f"{llvm.get_host_cpu_name()}, which is not "
         return common | {"processor": f"{other}{PORTABLE_CPU}"}
@@ -148,7 +158,12 @@ def differing(machine: Mapping[str, str], own: Mapping[str, str]) -> list[str]:
 
 def fingerprint(of: str | None = None) -> str:
     """Short name for everything that `describe_machine` says."""
-    return _short(describe_machine(of).values())
+    return fingerprint_of(describe_machine(of))
+
+
+def fingerprint_of(machine: Mapping[str, str]) -> str:
+    """Short name for a description of a machine."""
+    return _short(machine.values())
 
 
 def _short(words: Iterable[str]) -> str:
@@ -165,12 +180,17 @@ def _digest_of_sources(packages: set[Application]) -> str:
     return h.hexdigest()[:20]
 
 
-def cache_folder() -> Path:
+def cache_folder(of: str | None = None) -> Path:
     """Where compiled kernels are kept: a folder that changes with any source of the packages.
 
     ``LANEWISE_CACHE`` (``ALIGHT_CACHE``) moves it.
+
+    Parameters
+    ----------
+    of : str, optional
+        Kernels for this target; by default for that of this process.
     """
-    return _cache_root() / fingerprint()
+    return _cache_root() / fingerprint(of)
 
 
 @cache

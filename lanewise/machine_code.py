@@ -13,6 +13,7 @@ import hashlib
 import threading
 from collections.abc import Callable, Iterator
 from functools import lru_cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -106,13 +107,18 @@ class MachineCode:
     def _found_or_compiled(self, kind: str, arguments: tuple) -> ObjectCode:
         if self.compile_for is None:
             raise TypeError(f"{self.name} was compiled elsewhere, and not for arguments {kind}")
-        digest = hashlib.sha256(f"{self.identity}\0{kind}".encode()).hexdigest()[:24]
-        path = cache_folder() / f"{self.name}-{digest}.kernel"
-        compiled = _read(path)
+        path = self.path(arguments)
+        compiled = read_code(path)
         if compiled is None:
             compiled = self.compile_for(arguments)
-            _write(path, compiled)
+            write_code(path, compiled)
         return compiled
+
+    def path(self, arguments: tuple, target: str | None = None) -> Path:
+        """Where its code for the types of these arguments is kept, by default for our target."""
+        words = f"{self.identity}\0{kind_of(arguments)}"
+        digest = hashlib.sha256(words.encode()).hexdigest()[:24]
+        return cache_folder(target) / f"{self.name}-{digest}.kernel"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return MachineCode, (self.name, self.identity, None, self._codes)
@@ -159,16 +165,16 @@ class FixedKernel:
         return FixedKernel, (self.kernel,)
 
 
-def leaves(value: Any) -> Iterator[Any]:
+def leaves(value: Any, address_of: Callable[[View], int] = attrgetter("address")) -> Iterator[Any]:
     """Numbers and addresses in an argument, in the order in which compiled code takes them."""
     if isinstance(value, View):
-        yield value.address
+        yield address_of(value)
         yield value.size
     elif isinstance(value, Vec3):
         yield from (float(value.x), float(value.y), float(value.z))
     elif isinstance(value, tuple):
         for part in value:
-            yield from leaves(part)
+            yield from leaves(part, address_of)
     elif isinstance(value, np.generic):
         yield value.item()
     else:
@@ -196,8 +202,8 @@ def _name_of(dtype: np.dtype) -> str:
 # ---------------------------------------------------------------- on disk
 
 
-def _read(path: Path) -> ObjectCode | None:
-    """What `_write` wrote; None if there is nothing, or nothing whole."""
+def read_code(path: Path) -> ObjectCode | None:
+    """What `write_code` wrote; None if there is nothing, or nothing whole."""
     kept = read_kept(path)
     if kept is None:
         return None
@@ -205,7 +211,8 @@ def _read(path: Path) -> ObjectCode | None:
     return ObjectCode(header["symbol"], tuple(header["arguments"]), code)
 
 
-def _write(path: Path, compiled: ObjectCode) -> None:
+def write_code(path: Path, compiled: ObjectCode) -> None:
+    """Keep code."""
     header = {"symbol": compiled.symbol, "arguments": compiled.arguments}
     write_kept(path, header, compiled.code)
 

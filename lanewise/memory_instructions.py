@@ -25,8 +25,9 @@ from lanewise.lane_types import (
     convert,
     f32,
 )
-from lanewise.numba_adapter import cgutils
-from lanewise.view_types import pointer_of
+from lanewise.numba_adapter import cgutils, make_struct
+from lanewise.view import part_of
+from lanewise.view_types import ViewType, pointer_of
 
 
 @stands_for(simd.gather)
@@ -69,14 +70,29 @@ def _gather(typing, view, index):
     return result(view, index), codegen
 
 
-def _allocator(primitive, element):
+@stands_for(part_of)
+@intrinsic
+def _part_of(typing, view, first, size):
+    if not isinstance(view, ViewType):
+        return None
+
+    def codegen(context, builder, sig, args):
+        data = pointer_of(context, builder, view, args[0])
+        at = context.cast(builder, args[1], sig.args[1], types.int64)
+        count = context.cast(builder, args[2], sig.args[2], types.int64)
+        return make_struct(context, builder, view, data=builder.gep(data, [at]), size=count)
+
+    return view(view, first, size), codegen
+
+
+def _allocator(primitive, element, lanes=1):
     @intrinsic(prefer_literal=True)
     def stand_in(typing, n):
         if not isinstance(n, types.IntegerLiteral):
             return None
 
         def codegen(context, builder, sig, args):
-            size = ir.Constant(I32, n.literal_value)
+            size = ir.Constant(I32, lanes * n.literal_value)
             memory = cgutils.alloca_once(builder, context.get_data_type(element), size=size)
             memory.align = 64
             return memory
@@ -89,6 +105,8 @@ def _allocator(primitive, element):
 _allocator(simd.local_floats, f32)
 _allocator(simd.local_uints, types.uint32)
 _allocator(simd.local_longs, types.int64)
+_allocator(simd.lane_floats, f32, N)
+_allocator(simd.lane_uints, types.uint32, N)
 
 
 def _lane_pointer(context, builder, sig, args, vector):

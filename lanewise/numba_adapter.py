@@ -60,6 +60,7 @@ from numba.core.untyped_passes import (
     TranslateByteCode,  # the first step
 )
 
+from lanewise.machine import PTX, target
 from lanewise.machine_code import ObjectCode
 from lanewise.numba_methods import METHODS
 from lanewise.numba_shortcuts import KernelLower, leave_scipy_alone, shortcuts
@@ -189,8 +190,10 @@ class OptimisedLibrary(JITCodeLibrary):
         self._finalized = True
 
     def object_code(self) -> bytes:
-        """Machine code for this processor."""
+        """Machine code for this processor, or LLVM bitcode for `lanewise.ptx`."""
         self._ensure_finalized()
+        if target() == PTX:
+            return self._final_module.as_bitcode()
         # `_tm` is llvmlite's TargetMachine for this processor, which knows `emit_object`.
         return self._codegen._tm.emit_object(self._final_module)
 

@@ -18,6 +18,8 @@ def shuffle(builder, a, b, order):
 
 def permute(builder, x, order, n):
     """``x[order]`` for n floats."""
+    if n == 1:
+        return x
     name = {16: "llvm.x86.avx512.permvar.sf.512", 8: "llvm.x86.avx2.permps"}.get(n)
     if name is not None and _HAS_PERMUTATION[n]:
         return call(builder, name, x.type, [x, order])

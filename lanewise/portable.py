@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lanewise.machine import PORTABLE, PORTABLE_CPU, target
+from lanewise.machine import PORTABLE, PORTABLE_CPU, PTX, target
 
 _NO_ESTIMATES = '"reciprocal-estimates"="none"'
 
@@ -18,9 +18,13 @@ def compile_for_target() -> None:
     """Tell Numba the processor, before it makes its code generator."""
     from numba import config
 
-    if target() == PORTABLE:
-        for name, value in (("CPU_NAME", PORTABLE_CPU), ("CPU_FEATURES", "")):
-            setattr(config, name, value)
+    chosen = {
+        PORTABLE: {"CPU_NAME": PORTABLE_CPU, "CPU_FEATURES": ""},
+        # What is optimised before it goes to `lanewise.ptx` must not know vectors of this machine.
+        PTX: {"CPU_NAME": "x86-64", "CPU_FEATURES": "", "LOOP_VECTORIZE": 0, "SLP_VECTORIZE": 0},
+    }
+    for name, value in chosen.get(target(), {}).items():
+        setattr(config, name, value)
 
 
 def forbid_estimates(module: Any) -> None:

@@ -276,6 +276,16 @@ def local_longs(n):
     return np.zeros(room_for(n), np.int64)
 
 
+def lane_floats(n):
+    """Scratch memory of this call: n float32 for each lane."""
+    return np.zeros(room_for(n * WIDEST), np.float32)
+
+
+def lane_uints(n):
+    """Scratch memory of this call: n uint32 for each lane."""
+    return np.zeros(room_for(n * WIDEST), np.uint32)
+
+
 def store_lanes(buffer, i, x):
     """Write the lanes of x to ``buffer[i : i + LANES]``."""
     buffer[i : i + int(LANES)] = x

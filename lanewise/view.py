@@ -52,6 +52,11 @@ class View:
         return View, (self.shaped,)
 
 
+def part_of(view, first, size):
+    """The numbers from `first` on as a table of their own, which shares their memory."""
+    return View(view.array[first : first + size])
+
+
 def _checked(index):
     if isinstance(index, int | np.integer) and index < 0:
         raise IndexError(f"index {index} is out of bounds: it must not be negative")

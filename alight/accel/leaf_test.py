@@ -27,7 +27,7 @@ from lanewise.simd import (
     as_int,
     as_uint,
     float_bits,
-    local_floats,
+    lane_floats,
     local_longs,
     mask_bits,
     permuted,
@@ -41,7 +41,6 @@ from lanewise.wide import load_wide, store_wide
 #: test: t, u and v of all triangles of the block.
 LeafTests = namedtuple("LeafTests", "rays places bits numbers")
 RECORD = 3 * WIDTH
-_RECORDS = RECORD * MOST
 
 #: What a leaf test found in the block at `at`. bits: the triangles that are hit, or
 #: `SOMETHING_ELSE`; numbers[k : k + RECORD]: t, u and v of all.
@@ -54,9 +53,7 @@ SOMETHING_ELSE = 1 << WIDTH
 @kernel(strict=True)
 def new_leaf_tests():
     """Room for a leaf test of each ray."""
-    return LeafTests(
-        local_longs(MOST), local_longs(MOST), local_longs(MOST), local_floats(_RECORDS)
-    )
+    return LeafTests(local_longs(MOST), local_longs(MOST), local_longs(MOST), lane_floats(RECORD))
 
 
 @kernel(strict=True)

@@ -35,7 +35,9 @@ from lanewise.simd import (
     as_uint,
     count_bits,
     float_bits,
+    lane_floats,
     lane_index,
+    lane_uints,
     lanes,
     load_lanes,
     local_floats,
@@ -57,7 +59,6 @@ WAITING = 32
 
 #: Room for the stack of a ray alone: what waits, then what it puts on it itself.
 OWN = WAITING + ROOM
-_STACKS = OWN * MOST
 
 #: A packet in memory: `Rays`, `Hits`, the `Stacks` of its rays; bases: local uints, what waits for
 #: ray i lies from number bases[i] of the stacks on, up to number OWN * i + WAITING; behind it there
@@ -76,7 +77,7 @@ _ENTRIES = MOST * _PLACES
 @kernel(strict=True)
 def new_packet():
     """Room for a packet; `write_packet` fills it (see `lanewise.simd.local_floats`)."""
-    stacks = Stacks(local_uints(_STACKS), local_floats(_STACKS), local_floats(CHILDREN))
+    stacks = Stacks(lane_uints(OWN), lane_floats(OWN), local_floats(CHILDREN))
     return Packet(new_rays(), new_hits(), stacks, local_uints(MOST), new_leaf_tests())
 
 
@@ -191,7 +192,8 @@ def trace_packet(search, o, packet, bits, others):
     )
     t = load_lanes(hits.t, 0)
     size, waiting, place, code = 0, 0, 0, 0
-    few = FEW * LANES // 16
+    # A lone ray is no packet: what is for several of them goes with the text that is never reached.
+    few = max(FEW * LANES // 16, 1)
     store_lanes(entries, 0, lanes(0.0))
     while bits != 0:
         base = size

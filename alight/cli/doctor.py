@@ -42,6 +42,17 @@ def _machine() -> Iterator[Check]:
     yield "python", f"{platform.python_version()} ({sys.executable}){hint}", good
     yield "system", f"{platform.system()} {platform.release()}, {platform.machine()}", True
     yield "threads", f"{usable_processors()} (--threads changes it)", True
+    yield "gpu", _gpu(), True
+
+
+def _gpu() -> str:
+    from alight.core.errors import DeviceError
+    from alight.gpu.driver import Gpu
+
+    try:
+        return f"{', '.join(Gpu().description.values())} (--device gpu renders on it)"
+    except DeviceError as error:
+        return f"none: {error}"
 
 
 def _compiler() -> Iterator[Check]:

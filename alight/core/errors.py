@@ -63,6 +63,21 @@ class OutputError(AlightError, OSError):
     """A picture that cannot be written or read."""
 
 
+class DeviceError(AlightError, RuntimeError):
+    """A GPU that is not there, or does not go on.
+
+    Parameters
+    ----------
+    message : str
+    code : int, default 0
+        The driver's number of the error.
+    """
+
+    def __init__(self, message: str, code: int = 0) -> None:
+        super().__init__(message)
+        self.code = code
+
+
 class OptionError(AlightError, ValueError):
     """An option that does not exist, is out of range, or conflicts with another.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from alight.core.errors import OptionError
 from alight.options import scene
 from alight.options.cluster import ClusterOptions
+from alight.options.device import DeviceOptions
 from alight.options.kinds import Anything, Choice, File, Files, Names, PlainData, Switch, Text
 from alight.options.quantities import Part, Seconds, Share, Whole
 from alight.options.scene import SizedOptions
@@ -169,8 +170,8 @@ class LimitOptions(Options):
 
 @table
 class RenderOptions(
-    DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, TargetOptions, ThreadOptions,
-    SizedOptions,
+    DisplayOptions, PromiseOptions, LimitOptions, ClusterOptions, DeviceOptions, TargetOptions,
+    ThreadOptions, SizedOptions,
 ):  # fmt: skip
     """The options of `alight.render`.
 

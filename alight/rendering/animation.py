@@ -33,6 +33,7 @@ from alight.films import Film
 from alight.films.denoising import denoise
 from alight.films.storage import is_film_file
 from alight.options.animation import AnimationOptions
+from alight.options.device import GPU
 from alight.options.entry import takes
 from alight.options.render import RenderOptions
 from alight.outputs import exr, moving, png
@@ -260,7 +261,8 @@ class Animation:
         linear = [path for path in paths if path.suffix.lower() in exr.SUFFIXES]
         if paths and not missing and (linear or not self.films):
             return self._shown(read_picture(linear[0])) if self.films else _NOTHING
-        executor = None if self.single.cluster is not None else Threads(crew)
+        elsewhere = self.single.cluster is not None or self.single.device == GPU
+        executor = None if elsewhere else Threads(crew)
         film = main_loop.render_film(scene, self._options_of(number), executor)
         if self._stop.is_set():
             raise _CancelledError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -31,7 +31,7 @@ from alight.rendering.training.guide_training import Training
 from alight.rendering.unfound_light import unfound_light
 from lanewise.application import variable
 from lanewise.kept_files import lost
-from lanewise.machine import PORTABLE, cache_folder, fingerprint, target
+from lanewise.machine import PORTABLE, cache_folder, fingerprint, fingerprint_of, target
 
 _LOG = logging.getLogger("alight")
 
@@ -108,6 +108,8 @@ class Job:
         Of the scene's guide.
     rare_light : RareLight, optional
         Of the scene; otherwise it has none.
+    machine : mapping of str to str, optional
+        Who renders (`Executor.machine`); by default this process.
 
     Raises
     ------
@@ -132,7 +134,9 @@ class Job:
         largest_sample: float | None = None,
         training: Training | None = None,
         rare_light: RareLight | None = None,
+        machine: Mapping[str, str] | None = None,
     ) -> None:
+        self._fingerprint = fingerprint() if machine is None else fingerprint_of(machine)
         self.training = training
         self.rare_light = rare_light or RareLight()
         self.scene, self.schedule, self.threads = scene, schedule, threads
@@ -165,7 +169,7 @@ class Job:
             scene_hash=scene.content_hash,
             seed=seed_of_round(self.seed, round),
             options=dict(scene.integrator) | self._guide() | self._tables(),
-            fingerprint=fingerprint(),
+            fingerprint=self._fingerprint,
             version=VERSION,
         )
         film.recorded = depth_cap.unmeasured(scene.integrator) + unfound_light(scene)

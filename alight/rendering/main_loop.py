@@ -22,7 +22,7 @@ from alight.options.render import RenderOptions
 from alight.rendering.checkpoints.checkpoint import Origin
 from alight.rendering.checkpoints.checkpoint_writer import CheckpointWriter
 from alight.rendering.executors.blocks import Executor
-from alight.rendering.executors.cluster_executor import executor_of
+from alight.rendering.executors.selection import executor_of
 from alight.rendering.job import Job, Progress
 from alight.rendering.layers import layers_of
 from alight.rendering.rare_light import RareLight
@@ -53,7 +53,7 @@ def render_film(scene: Scene, options: RenderOptions, executor: Executor | None 
         By default that which the options ask for.
     """
     clock = Clock()
-    with executor or executor_of(options) as opened:
+    with executor or executor_of(options, options.device) as opened:
         return _render_with(opened, scene, options, clock)
 
 
@@ -62,13 +62,14 @@ def _render_with(executor: Executor, scene: Scene, options: RenderOptions, clock
         scene, schedule_of(options, scene.source.remarks.spp), clock,
         seed=options.seed, threads=options.threads, replicates=options.replicates,
         aovs=options.aovs, planned=planned_spp(options, scene.source.remarks.spp),
+        machine=executor.machine,
     )  # fmt: skip
     job.time_limit = time_limit_of(options)
     if executor.is_shared:
         job.share_threads()
     writer = None
     if options.checkpoint is not None:
-        origin = Origin.of(scene, options.notes)
+        origin = Origin.of(scene, options.notes, executor.machine)
         writer = CheckpointWriter(options.checkpoint, options.every, origin)
     return run(
         job, clock, executor, options.spp_per_pass, writer=writer, progress=options.progress,
@@ -87,13 +88,14 @@ def make_job(
     aovs: Sequence[str],
     planned: tuple[int | None, bool] = (None, False),
     again: Mapping[str, Any] | None = None,
+    machine: Mapping[str, str] | None = None,
 ) -> Job:
     """Compile a scene for a job; for the rest see `job_of`."""
     threads = threads or usable_processors()
     made = compiled_of(scene, layers_of(aovs), threads, clock.lap)
     return job_of(
         made.flat, made.compiled, schedule, clock, seed=seed, threads=threads,
-        replicates=replicates, planned=planned, again=again,
+        replicates=replicates, planned=planned, again=again, machine=machine,
     )  # fmt: skip
 
 
@@ -108,6 +110,7 @@ def job_of(
     replicates: int | None,
     planned: tuple[int | None, bool] = (None, False),
     again: Mapping[str, Any] | None = None,
+    machine: Mapping[str, str] | None = None,
 ) -> Job:
     """Make the job of a scene that is compiled already, and train its guide if it has one.
 
@@ -119,6 +122,8 @@ def job_of(
         Samples per pixel of the whole render, if anybody knows, and whether that is a limit.
     again : mapping, optional
         Options of the film that goes on.
+    machine : mapping, optional
+        As of `Job`.
     """
     if compiled.integrator.splats:
         replicates = replicates or max(flat.film.replicates, LEAST_REPLICATES)
@@ -135,6 +140,7 @@ def job_of(
         largest_sample=largest_sample(flat, compiled.program.light_tree),
         training=training,
         rare_light=RareLight(Sight(flat, compiled)),
+        machine=machine,
     )  # fmt: skip
 
 
@@ -149,6 +155,7 @@ def run(
     cancel: threading.Event | None = None,
 ) -> Film:
     """Compile the kernels, render until the end, and give the picture."""
+    executor.check(job)
     if writer:
         # Before the first second is spent: a file that cannot be written is found out now.
         writer.write(job.state(copy=False))

@@ -30,7 +30,7 @@ def machine_code():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiler, "object_code", look)
         # Made in any case; of the functions inside, those that are on disk are not made again.
-        patch.setattr(machine_code_module, "_read", lambda path: None)
+        patch.setattr(machine_code_module, "read_code", lambda path: None)
         flat = flatten(alight.load("mirror-and-glass"))
         job = Job(compile_scene(flat), Uniform(0, 1), seed=0, threads=1, replicates=4)
         job.start(None)

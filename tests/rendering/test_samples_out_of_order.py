@@ -26,7 +26,7 @@ def test_samples_that_came_out_of_order_leave_no_hole(tmp_path, monkeypatch):
     """A pixel that holds samples 12 to 23 alone has 12, and needs 24 to be whole."""
     path = tmp_path / "a.alight"
     with cancelled_after(1, monkeypatch) as cancel, monkeypatch.context() as patch:
-        patch.setattr(main_loop, "executor_of", lambda options: Backwards())
+        patch.setattr(main_loop, "executor_of", lambda options, device: Backwards())
         words = {**RENDER, "spp_per_pass": SPP, "checkpoint": path, "cancel": cancel}
         film = alight.render("cornell-box", spp=SPP, **words)
     assert film.sample_count.max() == SPP // 2

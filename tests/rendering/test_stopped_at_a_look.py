@@ -8,6 +8,7 @@ from alight.rendering.checkpoints.checkpoint import Origin, check_nothing_is_los
 from alight.rendering.job import JobState
 from alight.rendering.schedules.steering import Steered
 from alight.rendering.schedules.stopping import Promise
+from lanewise.machine import describe_machine
 from tests.rendering.interrupted import assert_same
 
 
@@ -17,7 +18,7 @@ def test_it_is_not_over_before_its_promise_is_kept(tmp_path, error):
     film, looking = alight.render(scene, spp=16), Steered(0, None, Promise(error))
     goal = looking.next([film])
     state = JobState([film], looking.name, looking.state(), goal, 1, 1, 1.0, None)
-    write_checkpoint(path, state, Origin.of(scene, {}))
+    write_checkpoint(path, state, Origin.of(scene, {}, describe_machine()))
     told = ""
     try:
         check_nothing_is_lost(path)

@@ -34,7 +34,6 @@ from alight.rendering.schedules.selection import restored_schedule
 from alight.scene import Scene
 from alight.scene.content import describe_content
 from alight.scene.source import Recipe
-from lanewise.machine import describe_machine
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Origin:
     content : mapping of str to str
         What the scene says, key by key, and digests of the files that it names.
     machine : mapping of str to str
-        See `lanewise.machine.describe_machine`.
+        Who renders; see `Executor.machine`.
     notes : mapping of str to plain JSON
     """
 
@@ -58,9 +57,9 @@ class Origin:
     notes: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, scene: Scene, notes: Mapping[str, Any]) -> Origin:
-        """Describe a scene on this machine."""
-        return cls(scene.source.recipe, describe_content(scene), describe_machine(), dict(notes))
+    def of(cls, scene: Scene, notes: Mapping[str, Any], machine: Mapping[str, str]) -> Origin:
+        """Describe a scene on a machine."""
+        return cls(scene.source.recipe, describe_content(scene), machine, dict(notes))
 
 
 @dataclass(frozen=True)

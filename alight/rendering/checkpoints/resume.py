@@ -13,6 +13,7 @@ from alight.core.errors import FilmError, OptionError, SceneError
 from alight.films import Film
 from alight.films.coverage import check_same_names
 from alight.formats import load
+from alight.options.device import CPU, GPU
 from alight.options.entry import takes
 from alight.options.kinds import Files
 from alight.options.plugins import load_plugins
@@ -20,7 +21,7 @@ from alight.options.resume import ResumeOptions
 from alight.rendering.checkpoints.checkpoint import Checkpoint, Origin, read_checkpoint
 from alight.rendering.checkpoints.checkpoint_writer import CheckpointWriter
 from alight.rendering.executors.blocks import Executor
-from alight.rendering.executors.cluster_executor import executor_of
+from alight.rendering.executors.selection import executor_of
 from alight.rendering.job import TABLES, Job
 from alight.rendering.main_loop import Clock, make_job, run
 from alight.rendering.schedules.schedule import Schedule
@@ -30,7 +31,7 @@ from alight.rendering.schedules.stopping import Promise
 from alight.rendering.writing import Targets, finish
 from alight.scene import Scene, content_hash, flatten
 from alight.scene.content import describe_content, differences
-from lanewise.machine import NATIVE, choose_target, describe_machine, fingerprint
+from lanewise.machine import NATIVE, PTX, choose_target, fingerprint_of
 
 #: So many changes are named; more are counted.
 _MOST_NAMED = 8
@@ -134,7 +135,7 @@ def resume(path: str | os.PathLike[str] | Checkpoint, options: ResumeOptions) ->
 def _go_on(saved: Checkpoint, options: ResumeOptions) -> Film:
     """Render what is left."""
     clock = Clock()
-    with executor_of(options) as executor:
+    with executor_of(options, _device_of(saved)) as executor:
         return _go_on_with(executor, saved, options, clock)
 
 
@@ -142,7 +143,7 @@ def _go_on_with(
     executor: Executor, saved: Checkpoint, options: ResumeOptions, clock: Clock
 ) -> Film:
     _take_target(saved)
-    _check_machine(saved)
+    _check_machine(saved, executor.machine)
     scene = _load_scene(saved, options.scene, options.root)
     state, film = saved.state, saved.state.rounds[0]
     own = restored_schedule(state.schedule, state.schedule_state)
@@ -159,6 +160,7 @@ def _go_on_with(
     job = make_job(
         scene, schedule, clock, seed=film.seed, threads=options.threads,
         replicates=film.replicates, aovs=tuple(film.aov_channels), again=film.options,
+        machine=executor.machine,
     )  # fmt: skip
     check_same_names(film.coverage, job.rounds[0].coverage, f"cannot resume {saved.path}")
     _check_tables(saved, job)
@@ -167,7 +169,7 @@ def _go_on_with(
         job.time_limit = state.seconds + float(options.time_limit)
     elif goes_on:
         job.time_limit = state.time_limit
-    origin = Origin.of(scene, saved.origin.notes)
+    origin = Origin.of(scene, saved.origin.notes, executor.machine)
     if origin.recipe is None:
         origin = replace(origin, recipe=saved.origin.recipe)
     writer = CheckpointWriter(options.checkpoint or saved.path, options.every, origin)
@@ -201,19 +203,31 @@ def _least_spp(saved: Checkpoint) -> int:
     return max(ends, default=0) - int(saved.state.schedule_state.get("first", 0))
 
 
+def _target_of(saved: Checkpoint) -> str:
+    """The target for which the film was rendered."""
+    return saved.origin.machine.get("target", NATIVE)
+
+
+def _device_of(saved: Checkpoint) -> str:
+    """A film that was begun on a GPU goes on there: what else renders has other bits."""
+    return GPU if _target_of(saved) == PTX else CPU
+
+
 def _take_target(saved: Checkpoint) -> None:
     """Compile for the target for which the film was rendered."""
+    if _target_of(saved) == PTX:
+        return
     try:
-        choose_target(saved.origin.machine.get("target", NATIVE))
+        choose_target(_target_of(saved))
     except ValueError as error:
         raise FilmError(f"cannot resume {saved.path} here: {error}") from None
 
 
-def _check_machine(saved: Checkpoint) -> None:
+def _check_machine(saved: Checkpoint, machine: Mapping[str, str]) -> None:
     """Refuse where the samples to come would not be those of the film."""
-    if saved.state.rounds[0].fingerprint == fingerprint():
+    if saved.state.rounds[0].fingerprint == fingerprint_of(machine):
         return
-    changed = differences(saved.origin.machine, describe_machine())
+    changed = differences(saved.origin.machine, machine)
     raise FilmError(
         f"cannot resume {saved.path}: here the same samples would have other bits\n"
         + listed(changed or ["kernel fingerprint: is another one"])

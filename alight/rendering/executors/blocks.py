@@ -7,7 +7,7 @@ each to the film once; exact sums make the film the same.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
@@ -19,6 +19,7 @@ from alight.integrators.walk import Settings
 from alight.rendering.schedules.passes import PASS_SECONDS
 from alight.rendering.tiles.tile import Scratch, render_tile
 from alight.rendering.tiles.tile_kernel import Tile
+from lanewise.machine import describe_machine
 
 if TYPE_CHECKING:
     from alight.rendering.job import Job
@@ -65,8 +66,22 @@ class Executor(Protocol):
         """What progress says of who renders; empty for this process."""
         ...
 
+    @property
+    def machine(self) -> Mapping[str, str]:
+        """What decides the bits of its samples; see `lanewise.machine.describe_machine`."""
+        ...
+
     def __enter__(self) -> Self: ...
     def __exit__(self, *raised: object) -> None: ...
+
+    def check(self, job: Job) -> None:
+        """Refuse a job that it cannot render, before anything is compiled.
+
+        Raises
+        ------
+        AlightError
+        """
+        ...
 
     def begin(self, job: Job) -> None:
         """Take a job, whose kernels are compiled."""
@@ -143,6 +158,14 @@ class Threads:
     def __exit__(self, *raised: object) -> None:
         """End the threads."""
         self._own.close()
+
+    @property
+    def machine(self) -> Mapping[str, str]:
+        """That of this process."""
+        return describe_machine()
+
+    def check(self, job: Job) -> None:
+        """Threads render all that there is."""
 
     def begin(self, job: Job) -> None:
         """Start the threads."""

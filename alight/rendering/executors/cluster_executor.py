@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Self, TypeVar
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 import numpy as np
 
 from alight.cluster.addresses import check_address, connected
-from alight.core.errors import OptionError
 from alight.films import PartialFilm
 from alight.integrators.walk import Settings
 from alight.rendering.executors.block_tasks import (
@@ -25,7 +24,7 @@ from alight.rendering.executors.block_tasks import (
     samples_in,
     sent,
 )
-from alight.rendering.executors.blocks import Add, Block, Executor, Threads
+from alight.rendering.executors.blocks import Add, Block, Threads
 from alight.rendering.executors.light_tasks import (
     LightQueue,
     LightTask,
@@ -33,6 +32,7 @@ from alight.rendering.executors.light_tasks import (
     render_light_task,
 )
 from alight.rendering.tiles.tile_kernel import Tile
+from lanewise.machine import describe_machine
 
 if TYPE_CHECKING:
     from alight.cluster.dispatch import Patience
@@ -91,6 +91,14 @@ class ClusterExecutor:
     def __exit__(self, *raised: object) -> None:
         """Disconnect; processes that were started for this render end."""
         self._stack.close()
+
+    @property
+    def machine(self) -> Mapping[str, str]:
+        """That of this process: workers whose samples would have other bits are refused."""
+        return describe_machine()
+
+    def check(self, job: Job) -> None:
+        """Workers render all that threads do."""
 
     def begin(self, job: Job) -> None:
         """Send the scene and its kernels to the workers.
@@ -273,18 +281,3 @@ def joined(options: T) -> Iterator[T]:
     check_address(options.cluster, options.cluster_keys)
     with connected(options.cluster, options.cluster_keys, MODULES) as client:
         yield options.changed(cluster=client, cluster_keys=None)
-
-
-def executor_of(options: ClusterOptions) -> Executor:
-    """The executor that the options ask for: threads, or a cluster.
-
-    Raises
-    ------
-    OptionError
-    """
-    if options.cluster is None:
-        if options.cluster_keys is not None:
-            raise OptionError("{cluster_keys} are those of {cluster}",
-                              names=("cluster_keys", "cluster"))  # fmt: skip
-        return Threads()
-    return ClusterExecutor(options.cluster, options.cluster_keys)

@@ -1,0 +1,1 @@
+"""GPUs of NVIDIA by their driver alone: memory, code and launches."""
