@@ -6,6 +6,7 @@ from pathlib import Path
 
 from alight.cli.reporting import note_unused
 from alight.cli.words import DEFAULT_SCENE, Quiet, SceneName, spelling_of, takes_words
+from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.options.animation import AnimationOptions
 
 
@@ -14,6 +15,7 @@ def render(
     options: AnimationOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quiet = False
 ) -> None:
     """Render a scene, by default the Cornell box, or with --frames or --turntable an animation."""
+    start_fork_server(options.cluster, RENDERS)
     from alight.cli.finishing import run_and_finish
     from alight.cli.frames import render_frames
     from alight.rendering.render import prepare

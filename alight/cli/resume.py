@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from alight.cli.words import Quiet, spelling_of, takes_words
+from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.options.resume import ResumeOptions
 
 
@@ -21,6 +22,7 @@ def resume(
     quiet: Quiet = False,
 ) -> None:
     """Resume a stopped or killed render, or add samples to it."""
+    start_fork_server(options.cluster, RENDERS)
     from alight.cli.finishing import run_and_finish
     from alight.rendering.checkpoints.resume import prepare_resume
 

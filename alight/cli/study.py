@@ -9,6 +9,7 @@ import typer
 from alight.cli.progress import Bar
 from alight.cli.reporting import INTERRUPTED, WarnOnce
 from alight.cli.words import Quiet, takes_words
+from alight.cluster.fork_server import STUDIES, start_fork_server
 from alight.options.laboratory import StudyOptions
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ def study(
         return
     if name is None:
         raise OptionError(f"name a study file or one of: {', '.join(ready_names())}")
+    start_fork_server(options.cluster, STUDIES)
     load_plugins(options.plugins)
     description = load_study(name, options.root)
     # After the messages about a wrong file: these imports take a second.
