@@ -10,12 +10,11 @@ from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.options.animation import AnimationOptions
 
 
-@takes_words(AnimationOptions)
+@takes_words(AnimationOptions, first=lambda said: start_fork_server(said.get("cluster"), RENDERS))
 def render(
     options: AnimationOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quiet = False
 ) -> None:
     """Render a scene, by default the Cornell box, or with --frames or --turntable an animation."""
-    start_fork_server(options.cluster, RENDERS)
     from alight.cli.finishing import run_and_finish
     from alight.cli.frames import render_frames
     from alight.rendering.render import prepare

@@ -13,7 +13,7 @@ from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.options.resume import ResumeOptions
 
 
-@takes_words(ResumeOptions)
+@takes_words(ResumeOptions, first=lambda said: start_fork_server(said.get("cluster"), RENDERS))
 def resume(
     options: ResumeOptions,
     file: Annotated[
@@ -22,7 +22,6 @@ def resume(
     quiet: Quiet = False,
 ) -> None:
     """Resume a stopped or killed render, or add samples to it."""
-    start_fork_server(options.cluster, RENDERS)
     from alight.cli.finishing import run_and_finish
     from alight.rendering.checkpoints.resume import prepare_resume
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from alight.lab.replicates.session import StudyProgress
 
 
-@takes_words(StudyOptions)
+@takes_words(StudyOptions, first=lambda said: start_fork_server(said.get("cluster"), STUDIES))
 def study(
     options: StudyOptions,
     name: Annotated[
@@ -35,7 +35,6 @@ def study(
         return
     if name is None:
         raise OptionError(f"name a study file or one of: {', '.join(ready_names())}")
-    start_fork_server(options.cluster, STUDIES)
     load_plugins(options.plugins)
     description = load_study(name, options.root)
     # After the messages about a wrong file: these imports take a second.

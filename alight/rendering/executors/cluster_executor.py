@@ -106,6 +106,7 @@ class ClusterExecutor:
         AlightError
             If there are no workers.
         """
+        client = self._client.result()
         from alight.cluster.dispatch import Dispatcher
 
         self._job = job
@@ -123,7 +124,7 @@ class ClusterExecutor:
 
         shared = SharedScene(sent(job.scene), job.settings, job.kernels)
         render = render_light_task if job.splats else render_blocks
-        self._dispatcher = Dispatcher(self._client.result(), render, shared, read, self._patience)
+        self._dispatcher = Dispatcher(client, render, shared, read, self._patience)
         self._stack.callback(self._dispatcher.close)
         self._dispatcher.open()
 
