@@ -222,5 +222,5 @@ def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
         return Local(
             n_workers=processes, threads_per_worker=1, processes=True, host="127.0.0.1",
             protocol="tls://", security=Security.temporary(), dashboard_address="127.0.0.1:0",
-            memory_limit=0, silence_logs=logging.ERROR, preload=["alight.cluster.interrupts"],
+            memory_limit=0, silence_logs=logging.ERROR, preload=["alight.cluster.preload"],
         )  # fmt: skip

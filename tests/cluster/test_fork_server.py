@@ -1,5 +1,6 @@
 """Workers of this machine start while the client is busy with its own start."""
 
+import logging
 import signal
 import subprocess
 import sys
@@ -8,7 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from alight.cluster import fork_server
+from alight.cluster import fork_server, preload
 from alight.lab.replicates import spread
 from alight.rendering.executors import cluster_executor
 from alight.rendering.executors.cluster_executor import ClusterExecutor
@@ -101,3 +102,18 @@ def test_why_processes_do_not_start_is_said_where_they_are_needed(monkeypatch):
         cluster.go.set()
         with pytest.raises(OSError, match="no room for it"):
             executor.begin(None)
+
+
+def test_a_worker_leaves_the_end_of_the_scheduler_to_the_client(monkeypatch, caplog):
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    log = logging.getLogger("distributed.worker")
+    monkeypatch.setattr(log, "filters", [])
+    monkeypatch.setattr(log, "disabled", False)
+    log.addHandler(caplog.handler)
+    try:
+        preload.dask_setup(None)
+        log.error("Failed to communicate with scheduler during heartbeat.")
+        log.error("Unexpected exception during heartbeat. Closing worker.")
+    finally:
+        log.removeHandler(caplog.handler)
+    assert {record.getMessage()[:10] for record in caplog.records} == {"Unexpected"}
