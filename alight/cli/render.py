@@ -6,10 +6,11 @@ from pathlib import Path
 
 from alight.cli.reporting import note_unused
 from alight.cli.words import DEFAULT_SCENE, Quiet, SceneName, spelling_of, takes_words
+from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.options.animation import AnimationOptions
 
 
-@takes_words(AnimationOptions)
+@takes_words(AnimationOptions, first=lambda said: start_fork_server(said.get("cluster"), RENDERS))
 def render(
     options: AnimationOptions, scene: SceneName = DEFAULT_SCENE, quiet: Quiet = False
 ) -> None:

@@ -9,10 +9,11 @@ from typing import Annotated
 import typer
 
 from alight.cli.words import Quiet, spelling_of, takes_words
+from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.options.resume import ResumeOptions
 
 
-@takes_words(ResumeOptions)
+@takes_words(ResumeOptions, first=lambda said: start_fork_server(said.get("cluster"), RENDERS))
 def resume(
     options: ResumeOptions,
     file: Annotated[

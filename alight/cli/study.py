@@ -9,13 +9,14 @@ import typer
 from alight.cli.progress import Bar
 from alight.cli.reporting import INTERRUPTED, WarnOnce
 from alight.cli.words import Quiet, takes_words
+from alight.cluster.fork_server import STUDIES, start_fork_server
 from alight.options.laboratory import StudyOptions
 
 if TYPE_CHECKING:
     from alight.lab.replicates.session import StudyProgress
 
 
-@takes_words(StudyOptions)
+@takes_words(StudyOptions, first=lambda said: start_fork_server(said.get("cluster"), STUDIES))
 def study(
     options: StudyOptions,
     name: Annotated[

@@ -34,7 +34,9 @@ DEFAULT_SCENE = "cornell-box"
 _SPELLING = {"plugins": "--plugin", "pixel": "--pixel"}
 
 
-def takes_words(table: type[Options]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def takes_words(
+    table: type[Options], first: Callable[[dict[str, Any]], None] | None = None
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Let a command take the options of a table as words.
 
     Parameters
@@ -42,6 +44,9 @@ def takes_words(table: type[Options]) -> Callable[[Callable[..., None]], Callabl
     table : class
         The command has its object as the keyword ``options``. Parameters of its own that are
         arguments go before the options, others after them.
+    first : callable, optional
+        Takes the words that were given, before they are checked, which imports every model that
+        they may name.
 
     Returns
     -------
@@ -62,6 +67,8 @@ def takes_words(table: type[Options]) -> Callable[[Callable[..., None]], Callabl
         def taking(**texts: Any) -> None:
             given = {name: texts.pop(name) for name in words}
             said = {k: v for k, v in given.items() if v not in (None, [], defaults[k])}
+            if first is not None:
+                first(said)
             command(**texts, options=table.parsed(said))
 
         signed: Any = taking

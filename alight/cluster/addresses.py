@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from alight.cluster.files import is_cluster_file, read_cluster_file, started
+from alight.cluster.fork_server import can_fork, preloaded
 from alight.cluster.keys import security_of
 from alight.core.errors import AlightError, OptionError
 from alight.core.extras import install_command
@@ -31,9 +32,6 @@ _QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
 }
-
-#: What every worker imports, and Dask's own list for a server of forks leaves out.
-_PRELOADED = ("distributed", "distributed.nanny", "distributed.worker", "alight.cluster.worker")
 
 #: Seconds after which a scheduler that does not answer is not waited for.
 _CONNECT = 20.0
@@ -161,7 +159,10 @@ def connected(
         return
     processes = processes_of(where)
     if processes:
-        with _local_cluster(processes, modules) as cluster, Client(cluster) as client:
+        with (
+            _local_cluster(processes, modules) as cluster,
+            Client(cluster, set_as_default=False) as client,
+        ):
             yield client
         return
     if is_cluster_file(where):
@@ -196,7 +197,6 @@ def _why(where: str, error: Exception) -> str:
 def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
     """Processes of one thread each, behind TLS with keys that live as long as they do."""
     import logging
-    import multiprocessing
 
     import dask.config
     from distributed import LocalCluster, Security
@@ -213,14 +213,14 @@ def _local_cluster(processes: int, modules: Sequence[str]) -> Any:
                 raise
 
     settings: dict[str, Any] = dict(_QUIET)
-    if "forkserver" in multiprocessing.get_all_start_methods():
+    if can_fork():
         settings["distributed.worker.multiprocessing-method"] = "forkserver"
     with dask.config.set(settings):
         if len(settings) > len(_QUIET):
             # Dask names modules of its own here, once, and others may be named after it has.
-            get_mp_context().set_forkserver_preload([*_PRELOADED, *modules])
+            get_mp_context().set_forkserver_preload(preloaded(modules))
         return Local(
             n_workers=processes, threads_per_worker=1, processes=True, host="127.0.0.1",
             protocol="tls://", security=Security.temporary(), dashboard_address="127.0.0.1:0",
-            memory_limit=0, silence_logs=logging.ERROR, preload=["alight.cluster.interrupts"],
+            memory_limit=0, silence_logs=logging.ERROR, preload=["alight.cluster.preload"],
         )  # fmt: skip

@@ -6,11 +6,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from alight.cluster.dispatch import Patience
 from alight.cluster.worker import machine_here, state_here
 from lanewise.machine import NATIVE, differing
 
-#: Seconds to wait for one worker's answer, and how many workers are queried at a time.
-_WAIT, _AT_A_TIME = 5.0, 16
+#: Seconds to wait for one worker's answer, as renders do, and how many are queried at a time.
+_WAIT, _AT_A_TIME = Patience.fetch, 16
 
 
 @dataclass(frozen=True, kw_only=True)

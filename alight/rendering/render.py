@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.core.errors import OptionError, SceneError
 from alight.films import Film
 from alight.films.denoising import FEATURES
@@ -65,6 +66,7 @@ def prepare(scene: Any, options: RenderOptions) -> Prepared:
     AlightError
         For a scene or an option that is wrong.
     """
+    start_fork_server(options.cluster, RENDERS)
     options.take_target()
     # Before the options, which may name a tone curve of theirs.
     load_plugins(options.plugins)

@@ -9,6 +9,7 @@ SHARED = "tests/cluster/test_shared_file.py"
 DISPATCH = "tests/cluster/test_dispatch.py"
 FILMS = "tests/cluster/test_films.py"
 STUDIES = "tests/cluster/test_studies.py"
+FORKS = "tests/cluster/test_fork_server.py"
 
 CLUSTER = (
     Mutant(
@@ -174,5 +175,29 @@ CLUSTER = (
         "cluster/shared_file.py",
         (("if not ours or hashlib", "if False and hashlib"),),
         f"{SHARED}::test_a_file_of_other_bytes_is_not_used",
+    ),
+    Mutant(
+        "a server of forks that waits until options are checked",
+        "cli/words.py",
+        (
+            (
+                """            if first is not None:
+                first(said)
+            command(**texts, options=table.parsed(said))
+""",
+                """            options = table.parsed(said)
+            if first is not None:
+                first(said)
+            command(**texts, options=options)
+""",
+            ),
+        ),
+        f"{FORKS}::test_the_server_starts_before_anything_heavy_is_imported",
+    ),
+    Mutant(
+        "processes that nobody ends",
+        "rendering/executors/cluster_executor.py",
+        (("thread.submit(self._stack.enter_context, found)", "thread.submit(found.__enter__)"),),
+        f"{FORKS}::test_processes_that_are_still_starting_end_with_a_render_that_fails",
     ),
 )

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from alight.cluster.addresses import check_address, connected
+from alight.cluster.fork_server import STUDIES
 from alight.compiled.scene import CompiledScene
 from alight.core.errors import FilmError, OptionError
 from alight.films.archive import pack_archive, unpack_archive
@@ -245,7 +246,7 @@ def spread_over(options: ClusterOptions | None, equal_time: bool) -> Iterator[Sp
         yield None
         return
     check_address(options.cluster, options.cluster_keys)
-    with connected(options.cluster, options.cluster_keys, (__name__,)) as client:
+    with connected(options.cluster, options.cluster_keys, (STUDIES,)) as client:
         with suppress(TimeoutError):
             client.wait_for_workers(1, timeout=_LATE)
         yield Spread(client, equal_time)

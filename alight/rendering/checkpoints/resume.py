@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from alight.cluster.fork_server import RENDERS, start_fork_server
 from alight.core.errors import FilmError, OptionError, SceneError
 from alight.films import Film
 from alight.films.coverage import check_same_names
@@ -86,6 +87,7 @@ def prepare_resume(
     AlightError
         For an option that is wrong, or a checkpoint that cannot be read.
     """
+    start_fork_server(options.cluster, RENDERS)
     saved = path if isinstance(path, Checkpoint) else read_checkpoint(path)
     notes = saved.origin.notes
     # Not those of the notes: a file of data names no code that is run (decision 32).

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 
-from alight.cluster.addresses import check_address, connected
+from alight.cluster.addresses import check_address, connected, processes_of
+from alight.cluster.fork_server import RENDERS
 from alight.films import PartialFilm
 from alight.integrators.walk import Settings
 from alight.rendering.executors.block_tasks import (
@@ -48,9 +50,6 @@ LONGEST, SHORTEST = 2.0, 0.1
 #: Samples per second of a thread, until that is measured.
 _SPEED = 1e5
 
-#: What workers import to answer.
-MODULES = (__name__,)
-
 #: What progress says of tasks, where there is any.
 _TOLD = ("done here", "failed", "issued again")
 
@@ -80,16 +79,23 @@ class ClusterExecutor:
         check_address(where, keys)
         self._where, self._keys, self._patience = where, keys, patience
         self._stack, self._speed, self._bytes = ExitStack(), _SPEED, 0
-        self._lock = threading.Lock()
+        self._lock, self._client = threading.Lock(), Future[Any]()
         self._threads: Threads | None = None
 
     def __enter__(self) -> Self:
-        """Connect."""
-        self._client = self._stack.enter_context(connected(self._where, self._keys, MODULES))
+        """Connect; processes of this machine start while the client compiles."""
+        found = connected(self._where, self._keys, (RENDERS,))
+        if isinstance(self._where, str) and processes_of(self._where):
+            thread = self._stack.enter_context(ThreadPoolExecutor(1))
+            self._client = thread.submit(self._stack.enter_context, found)
+        else:
+            self._client.set_result(self._stack.enter_context(found))
         return self
 
     def __exit__(self, *raised: object) -> None:
         """Disconnect; processes that were started for this render end."""
+        # A render that fails before it begins ends what is still starting, too.
+        wait([self._client])
         self._stack.close()
 
     @property
@@ -108,6 +114,7 @@ class ClusterExecutor:
         AlightError
             If there are no workers.
         """
+        client = self._client.result()
         from alight.cluster.dispatch import Dispatcher
 
         self._job = job
@@ -125,7 +132,7 @@ class ClusterExecutor:
 
         shared = SharedScene(sent(job.scene), job.settings, job.kernels)
         render = render_light_task if job.splats else render_blocks
-        self._dispatcher = Dispatcher(self._client, render, shared, read, self._patience)
+        self._dispatcher = Dispatcher(client, render, shared, read, self._patience)
         self._stack.callback(self._dispatcher.close)
         self._dispatcher.open()
 
@@ -279,5 +286,5 @@ def joined(options: T) -> Iterator[T]:
         yield options
         return
     check_address(options.cluster, options.cluster_keys)
-    with connected(options.cluster, options.cluster_keys, MODULES) as client:
+    with connected(options.cluster, options.cluster_keys, (RENDERS,)) as client:
         yield options.changed(cluster=client, cluster_keys=None)
