@@ -45,10 +45,15 @@ def status(
     for worker in found:
         typer.echo(str(worker))
     usable = sum(worker.threads for worker in found if not worker.trouble)
-    typer.echo(f"{len(found)} workers; threads that give this machine's bits: {usable}")
-    typer.echo(f"lost since the scheduler was started: {lost.workers} workers, {lost.tasks} tasks")
+    typer.echo(f"{_count(len(found), 'worker')}; threads that give this machine's bits: {usable}")
+    gone = f"{_count(lost.workers, 'worker')}, {_count(lost.tasks, 'task')}"
+    typer.echo(f"lost since the scheduler was started: {gone}")
     if dashboard:
         typer.echo(f"dashboard: {dashboard}")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 keys.spelling = status.spelling = {  # type: ignore[attr-defined]

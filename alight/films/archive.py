@@ -149,6 +149,8 @@ def unpack_archive(name: str, data: memoryview) -> Archive:
         raise FilmError(f"{name} is damaged or truncated: its checksum is wrong")
     try:
         return _decode(name, data[start:])
+    except FilmError:
+        raise
     except _STRANGE as error:
         # The checksum is right, so somebody made it so.
         raise FilmError(f"{name} holds no readable film: {error!r}") from error

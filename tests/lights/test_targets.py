@@ -23,7 +23,7 @@ from alight.lights.targets import (
 )
 from alight.scene import flatten
 from lanewise.jit import instantiate
-from tests.rendering.many_paths import compiled
+from tests.rendering.many_paths import compiled, prepared
 
 SCENE = """
 alight: 1
@@ -100,6 +100,30 @@ def test_each_light_that_can_be_aimed_at_has_its_middle_and_its_size(around):
     )
     leads = instantiate(leads_to_disk, scene.program, compiled=False)(scene.tables, d)
     assert leads.tolist() == [True, True, False, False]
+
+
+@pytest.mark.parametrize("kind", ["sphere", "mesh"])
+def test_a_lamp_that_moves_is_aimed_at_as_it_rests(kind):
+    """Walks go to where it is at the time of their ray; the table has it before its motion."""
+    frames = [{"time": 0, "translate": [1, 2, 3]}, {"time": 1, "translate": [1, 2, 9]}]
+    corners = [[-0.5, 0, 0], [0.5, 0, 0], [0, 0.5, 0], [0, 0, 0.5]]
+    shapes = {
+        "sphere": {"type": "sphere", "radius": 0.5, "center": [-3, 0, 0]},
+        "mesh": {"type": "mesh", "vertices": corners, "faces": [[0, 1, 2], [0, 1, 3]]},
+    }
+    scene = prepared(alight.load({
+        "alight": 1, "camera": {}, "integrator": {"type": "path", "caustics": "manifold"},
+        "nodes": {
+            "lamp": {"shape": shapes[kind], "light": "area", "transform": {"keyframes": frames}},
+            "glass": {"shape": "cube", "bsdf": {"type": "dielectric"},
+                      "transform": {"translate": [9, 0, 0]}},
+        },
+    }))  # fmt: skip
+    # After the choice among one light: its sphere.
+    *middle, radius = scene.tables.lights.targets.array[2:6]
+    corner = [0.5, 0.25, 0.25]
+    wanted = [-3.0, 0.0, 0.0, 0.5] if kind == "sphere" else [0, *corner[1:], np.linalg.norm(corner)]
+    np.testing.assert_allclose([*middle, radius], wanted, rtol=1e-5, atol=1e-6)
 
 
 @pytest.mark.parametrize(("color", "far"), [([2, 0, 0], 1), ([5, 0, 0], 0)])

@@ -65,6 +65,11 @@ def test_the_third_cumulant_is_that_of_the_noise():
     one = BlockSums.of(noisy(3, shape, k, r), exact, 4)
     # `third` has one standard error of itself on top: 2 % of it here.
     assert float(one.third[0]) / n == pytest.approx(2.0 / (k * r) ** 2, rel=0.12)
+    # About the mean difference: one that is the same everywhere is no skewness.
+    for shift in (0.5, -0.5):
+        shifted = BlockSums.of(noisy(3, shape, k, r), Measured(np.full(shape, 1.0 + shift),
+                               np.zeros(shape), r), 4)  # fmt: skip
+        assert shifted.third[0] == pytest.approx(float(one.third[0]), rel=0.12)
     two = BlockSums.of(noisy(3, shape, k, r), noisy(4, shape, k, r), 4)
     assert float(two.third[0]) < 0.15 * float(one.third[0])
 

@@ -1,9 +1,12 @@
 """Fields whose bounds are other fields: right up to the border, wrong beyond it."""
 
 import itertools
+from contextlib import nullcontext
 
 import pytest
 
+from alight.bsdfs.conductors.rough_conductor import RoughConductor
+from alight.bsdfs.dielectrics.rough_dielectric import RoughDielectric
 from alight.core.errors import SceneError
 from alight.lights.projector import Projector
 from alight.lights.spot import Spot
@@ -36,3 +39,12 @@ def test_no_beam_is_wider_than_its_cone(cutoff, beam):
     assert is_taken(Projector, pixels=WHITE, cutoff_angle=cutoff, beam_width=beam) == within
     if cutoff is not None:
         assert is_taken(Spot, cutoff_angle=cutoff, beam_width=beam) == within
+
+
+@pytest.mark.parametrize("kind", [RoughConductor, RoughDielectric])
+def test_two_roughnesses_come_together_and_without_a_third(kind):
+    for alpha, u, v in itertools.product((None, 0.2), repeat=3):
+        keys = {"alpha": alpha, "alpha_u": u, "alpha_v": v}
+        fits = (u is None) == (v is None) and (alpha is None or u is None)
+        with nullcontext() if fits else pytest.raises(SceneError, match="takes"):
+            kind(**keys)

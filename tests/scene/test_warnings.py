@@ -76,3 +76,17 @@ def test_who_compiles_a_scene_does_so_once(monkeypatch, way):
         found = alight.info(scene, tree=way == "tree").warnings
     assert sorted(calls) == ["PackedMaterials", "compile_scene"]
     assert not found
+
+
+@pytest.mark.parametrize("integrator", ["path", "volpath", "ambient_occlusion"])
+@pytest.mark.parametrize("light", ["black picture", "grey picture", "none"])
+def test_darkness_is_told_once_where_the_integrator_needs_light(integrator, light):
+    """What only the picture of a lamp tells, and what the description says already."""
+    level = 0.0 if light == "black picture" else 0.5
+    shade = {"type": "checkerboard", "color0": level, "color1": level}
+    lamp = {"shape": "rectangle", "light": {"type": "area", "radiance": shade}}
+    nodes = {"ball": {"shape": "sphere"}} | ({} if light == "none" else {"lamp": lamp})
+    scene = alight.load({"alight": 1, "camera": {}, "integrator": integrator, "nodes": nodes})
+    told = [text for text in warnings_of_scene(scene) if "picture will be black" in text]
+    dark = light != "grey picture" and integrator != "ambient_occlusion"
+    assert len(told) == dark
