@@ -8,6 +8,7 @@ adds to an empty scene and what is said of it; of a piece that is refused, all p
 from __future__ import annotations
 
 import gzip
+import re
 import struct
 import zlib
 from collections.abc import Callable, Mapping
@@ -23,9 +24,12 @@ from alight.core.errors import AlightError
 from alight.scene.dump import dump_scene
 from tests.recorded.cases import reader_features
 from tests.recorded.cases.reader_edits import leaves
-from tests.recorded.making import briefly, described, in_folder
+from tests.recorded.making import described, in_folder, summed_up
 
 FOLDER = Path(__file__).parents[1] / "pieces"
+#: Larger tables are summed up.
+FEW = 12
+TEXELS = re.compile(r"(?:[0-9a-f]{2,8} ?)+")
 
 
 def _serialized() -> bytes:
@@ -64,6 +68,9 @@ FILES: dict[str, str | bytes] = {
     "odd.spd": "400 0.1 500\n",
     "sub/inner.xml": '<scene version="0.6.0"><shape type="disk" id="inner">'
     '<transform name="toWorld"><translate x="$r"/></transform></shape></scene>',
+    "more.mtlx": '<materialx version="1.38" colorspace="srgb_texture"><constant name="inside" '
+    'type="color3"><input name="value" type="color3" value="0.5, 0.7, 0.3"/></constant>'
+    "</materialx>",
     "inside.pbrt": 'Translate 1 2 3\nShape "sphere" "float radius" 0.7\n',
     "half.pbrt": 'Shape "sphere"',
     "around.pbrt": 'Include "around.pbrt"\n',
@@ -103,12 +110,34 @@ def _told(name: str) -> tuple[dict[str, Any], list[str]]:
     except AlightError as error:
         return {}, described(str(error)).splitlines()
     said = [*scene.warnings, *scene.source.remarks.notes]
-    return dict(leaves(briefly(dump_scene(scene)))), described(said)
+    return dict(leaves(_shortly(dump_scene(scene)))), described(said)
+
+
+def _shortly(data: Any) -> Any:
+    """Plain data whose tables of numbers or texels are a line each: their shape, five numbers."""
+    if isinstance(data, Mapping):
+        return {key: _shortly(value) for key, value in data.items()}
+    if not isinstance(data, (list, tuple)):
+        return described(data)
+    if data and all(isinstance(row, str) and TEXELS.fullmatch(row) for row in data):
+        data = [[int(texel, 16) for texel in row.split()] for row in data]
+    try:
+        table = np.array(data, np.float64)
+    except (TypeError, ValueError):
+        return [_shortly(value) for value in data]
+    if table.size <= FEW:
+        return described(data)
+    told = summed_up(table)
+    return [*told["shape"], *told["numbers"]]
 
 
 def _pieces(dialect: str, suffix: str, wrap: Callable[[str], str]) -> Any:
     """What each piece of a dialect adds to a scene."""
     texts = (FOLDER / f"{dialect}.txt").read_text("utf-8").strip().split("\n\n")
+    return _added(texts, suffix, wrap)
+
+
+def _added(texts: list[str], suffix: str, wrap: Callable[[str], str]) -> Any:
     found: dict[str, Any] = {}
     with in_folder(_files()):
         _pictures()
@@ -138,6 +167,85 @@ def _pbrt(end: str, text: str) -> str:
     return f"{text}\n{end}" if "WorldBegin" in text else f"WorldBegin\n{text}\n{end}"
 
 
+def _materialx(text: str) -> str:
+    return text if text.startswith(("<materialx", "<scene")) else f"{MATERIALX}{text}</materialx>"
+
+
+MATERIALX = '<materialx version="1.38" colorspace="lin_rec709">'
+#: Nodes and their inputs.
+NODES = """
+absval in, acos in, add in1 in2, asin in, atan2 iny inx, burn fg bg mix, ceil in, clamp in low high,
+colorcorrect in hue saturation gamma lift gain contrast contrastpivot exposure,
+contrast in amount pivot, cos in, difference fg bg mix, divide in1 in2, dodge fg bg mix,
+dotproduct in1 in2, exp in, floor in, fract in, hsvadjust in amount, hsvtorgb in,
+ifequal value1 value2 in1 in2, ifgreater value1 value2 in1 in2, ifgreatereq value1 value2 in1 in2,
+invert in amount, ln in, luminance in lumacoeffs, magnitude in, max in1 in2, min in1 in2,
+minus fg bg mix, mix fg bg mix, modulo in1 in2, multiply in1 in2, normalize in, overlay fg bg mix,
+plus fg bg mix, power in1 in2, range in inlow inhigh gamma outlow outhigh doclamp,
+remap in inlow inhigh outlow outhigh, rgbtohsv in, round in, safepower in1 in2,
+saturate in amount lumacoeffs, screen fg bg mix, sign in, sin in, smoothstep in low high, sqrt in,
+subtract in1 in2, tan in, trianglewave in, combine3 in1 in2 in3, combine2 in1 in2, convert in,
+dot in, swizzle in channels, switch in1 in2 in3 which, extract in index, none in,
+checkerboard color1 color2 uvtiling uvoffset, ramplr valuel valuer, ramptb valueb valuet,
+splitlr valuel valuer center,
+splittb valueb valuet center, ramp4 valuebl valuebr valuetl valuetr
+"""
+#: What inputs are given that are no colours.
+PLAIN = {
+    "channels": ("string", "bgr"), "which": ("integer", "1"), "index": ("integer", "1"),
+    "mix": ("float", "0.35"), "center": ("float", "0.3"), "uvtiling": ("vector2", "3, 5"),
+    "uvoffset": ("vector2", "0.1, 0.2"), "doclamp": ("boolean", "true"),
+    "hue": ("float", "0.2"), "exposure": ("float", "0.3"),
+}  # fmt: skip
+COLORS = ("0.3, 0.9, 0.5", "0.2, 0.4, 0.7", "0.8, 0.75, 0.95", "0.55, 0.1, 0.45", "1.2, 1.5, 0.85")
+PICTURES = (
+    '<image name="p" type="color3"><input name="file" type="filename" value="a.png"/></image>'
+    '<image name="q" type="float"><input name="file" type="filename" value="a.png"/></image>'
+)
+
+
+def _nodes(kind: str, varying: int | None, half: int) -> str:
+    """Shaders coloured by every second node; the input of a number is given by a picture."""
+    made = [PICTURES if varying is not None else ""]
+    for node in " ".join(NODES.split()).split(", ")[half::2]:
+        name, *inputs = node.split()
+        given = ""
+        for i, key in enumerate(inputs):
+            what, value = PLAIN.get(key, (kind, COLORS[i % len(COLORS)]))
+            value = value if what != "float" or key in PLAIN else value.split(", ")[i % 3]
+            source = f'value="{value}"'
+            if varying in (i, i - len(inputs)) and what in ("color3", "float"):
+                source = f'nodename="{"p" if what == "color3" else "q"}"'
+            given += f'<input name="{key}" type="{what}" {source}/>'
+        made.append(
+            f'<{name} name="n_{name}" type="{kind}">{given}</{name}>'
+            f'<standard_surface name="{name}" type="surfaceshader">'
+            f'<input name="base_color" type="{kind}" nodename="n_{name}"/></standard_surface>'
+        )
+    return "".join(made)
+
+
+def _every_node() -> Any:
+    """Nodes of numbers, and with a picture as first, as second and as last input."""
+    kinds = [*(("color3", number) for number in (None, 0, 1, -1)), ("float", 0)]
+    texts = [_nodes(*kind, half) for kind in kinds for half in (0, 1)]
+    return _of_looks(_added(texts, ".mtlx", _materialx), r"said|.*base_color")
+
+
+def _every_shader() -> Any:
+    """Shaders, graphs and definitions."""
+    found = _pieces("materialx", ".mtlx", _materialx)
+    return _of_looks(found, r"(?!nodes\..*\.(transform|shape)\b)")
+
+
+def _of_looks(found: dict[str, Any], kept: str) -> dict[str, Any]:
+    """What some of the keys say: where the balls of a library lie is the same each time."""
+    return {
+        piece: {key: one for key, one in told.items() if re.match(kept, key)}
+        for piece, told in found.items()
+    }
+
+
 def _itself(text: str) -> str:
     return text
 
@@ -147,5 +255,7 @@ CASES: Mapping[str, Callable[[], Any]] = {
     "mitsuba_06": partial(_pieces, "mitsuba_06", ".xml", partial(_mitsuba, "0.6.0")),
     "pbrt": partial(_pieces, "pbrt", ".pbrt", partial(_pbrt, "")),
     "pbrt_3": partial(_pieces, "pbrt_3", ".pbrt", partial(_pbrt, "WorldEnd")),
+    "materialx": _every_shader,
+    "materialx_nodes": _every_node,
     **{name: partial(_pieces, name, f".{name}", _itself) for name in ("obj", "ply", "stl")},
 }
