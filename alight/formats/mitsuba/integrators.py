@@ -60,7 +60,8 @@ def convert(context: Context, element: Element) -> Data | None:
     if kind in FROM_LIGHTS:
         text = "becomes path, which finds no caustics of lights without a size (point, spot, ...)"
         context.report.warn(element, text)
-        others = [name for name in p.named if name not in ("max_depth", "rr_depth")]
+        known = ("max_depth", "rr_depth", *p.asked)
+        others = [name for name in p.named if name not in known]
         p.ignore("path has no such parameter", *others)
     if kind == "direct":
         _direct(draft)

@@ -129,6 +129,9 @@ class Attributes:
 
     def begin_transform(self, directive: Directive) -> None:
         """Keep the transformations; in pbrt 4 it is another word for AttributeBegin."""
+        if not self.context.old:
+            self.begin_attributes(directive)
+            return
         if len(self.stack) >= MOST_LEVELS:
             self.context.report.error(directive, f"is nested deeper than {MOST_LEVELS} levels")
             return
@@ -138,6 +141,9 @@ class Attributes:
 
     def end_transform(self, directive: Directive) -> None:
         """Go back to the transformations that were kept."""
+        if not self.context.old:
+            self.end_attributes(directive)
+            return
         kept = self.pop("Transform", directive)
         if isinstance(kept, tuple):
             state = self.state

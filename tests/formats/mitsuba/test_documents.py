@@ -291,5 +291,9 @@ def test_nothing_is_dropped_silently():
     assert "not covered" in messages(f'<integrator type="moment">{inner}</integrator>')[0]
     hidden = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
     assert read(hidden).integrator.hide_emitters
+    # What counts is not said to be left out, by integrators that become others either.
+    scene = read(hidden.replace("path", "bdpt"))
+    assert scene.integrator.hide_emitters
+    assert not scene.source.remarks.notes
     scene = read('<integrator type="moment"><integrator type="path"/></integrator>')
     assert "taken off" in scene.source.remarks.notes[0]

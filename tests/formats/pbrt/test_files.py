@@ -8,7 +8,7 @@ import pytest
 from alight.core.errors import SceneError
 from alight.formats import load, loads
 from alight.scene.keyframes import Keyframes
-from tests.formats.pbrt.reading import HEAD, issues, messages, node, ray, read, world
+from tests.formats.pbrt.reading import HEAD, issues, messages, node, ray, read, read_old, world
 
 SPHERE = 'Shape "sphere"'
 
@@ -42,17 +42,21 @@ def test_transformations_multiply_from_the_right():
 
 
 def test_stacks_give_back_what_they_kept():
-    scene = read(
-        """Translate 1 0 0
+    body = """Translate 1 0 0
         AttributeBegin Translate 0 1 0 ReverseOrientation Material "dielectric" Shape "sphere"
         AttributeEnd Shape "sphere"
-        TransformBegin Translate 0 0 1 ReverseOrientation TransformEnd Shape "sphere" """
-    )
-    places = [n.transform.apply_point([0, 0, 0]).tolist() for n in scene.nodes.values()]
-    assert places == [[1, 1, 0], [1, 0, 0], [1, 0, 0]]
-    # TransformEnd brings back the place alone.
-    assert [n.shape.flip_normals for n in scene.nodes.values()] == [True, False, True]
-    assert [n.bsdf for n in scene.nodes.values()] == ["dielectric", "default", "default"]
+        TransformBegin Translate 0 0 1 ReverseOrientation Material "dielectric"
+        TransformEnd Shape "sphere" """
+    for scene, rest in (
+        (read(body), ("default", False)),
+        (read_old(body), ("dielectric", True)),
+    ):
+        places = [n.transform.apply_point([0, 0, 0]).tolist() for n in scene.nodes.values()]
+        assert places == [[1, 1, 0], [1, 0, 0], [1, 0, 0]]
+        # TransformEnd brings back the place alone in pbrt 3, everything in pbrt 4.
+        found = [(n.bsdf, n.shape.flip_normals) for n in scene.nodes.values()]
+        assert [bsdf.rstrip("- 2") for bsdf, _ in found] == ["dielectric", "default", rest[0]]
+        assert [flipped for _, flipped in found] == [True, False, rest[1]]
 
 
 def test_coordinate_systems_by_name():
@@ -174,7 +178,7 @@ BROKEN = {
     'Shape "sphere" "float radius" [ 1 2 ]': "must hold 1 values, got 2",
     "AttributeEnd": "has no AttributeBegin",
     "AttributeBegin": "has no AttributeEnd",
-    "TransformBegin AttributeEnd": "the last one open is TransformBegin",
+    "TransformEnd": "has no AttributeBegin",
     "ObjectEnd": "has no ObjectBegin",
     "LookAt 1 1 1 1 1 1 0 1 0": "has no direction",
     "Rotate 90 0 0 0": "has no direction",
@@ -209,6 +213,8 @@ def test_lenient_replaces_what_is_not_covered_and_says_so():
 
 
 def test_what_is_not_closed_is_named_with_its_end():
+    wrong = messages("TransformBegin AttributeEnd\nWorldEnd", 'Film "image"\n')
+    assert "has no AttributeBegin before it: the last one open is TransformBegin" in wrong
     assert messages('ObjectBegin "a"') == ["has no ObjectEnd"]
     assert messages("TransformBegin") == ["has no TransformEnd"]
 

@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from tests.formats.pbrt.reading import node, read
+from tests.formats.pbrt.reading import node, read, read_old
 
 
-@pytest.mark.parametrize("kind", ["Attribute", "Transform"])
+@pytest.mark.parametrize(
+    ("kind", "read"), [("Attribute", read), ("Transform", read), ("Transform", read_old)]
+)
 @pytest.mark.parametrize("when", ["StartTime", "EndTime", "All"])
-def test_both_times_and_what_is_active_are_kept(kind, when):
+def test_both_times_and_what_is_active_are_kept(kind, read, when):
     """Inside, other times move; outside, all is as it was."""
     before = "Translate 1 2 3\nActiveTransform EndTime\nTranslate 0 0 4\n"
     inside = f"{kind}Begin\nActiveTransform {when}\nTranslate 5 6 7\nRotate 40 1 0 0\n{kind}End\n"
