@@ -60,7 +60,7 @@ def _answers_are_as_noted(request, monkeypatch, _noted_anew):
     if not right and not NOTE:
         yield
         return
-    notes = noting.Notes((f"{request.config._tmp_path_factory.getbasetemp()}",))
+    notes = noting.Notes(str(request.config._tmp_path_factory.getbasetemp()))
     for place, function, answer in (
         (loading, "_built", _built),
         (write, "write", _written),
