@@ -239,8 +239,6 @@ STAGES: dict[str, str] = {
         "uniform vector3f[] offsets"),
     "skin without bones": _skinned(HELD, "uniform matrix4d[] bindTransforms = []"),
     "referred outside": 'def "a" (references = @../a.usda@) { }',
-    "documents": 'def "a" (references = @a.mtlx@) { }' + _mesh("rel material:binding = "
-                                                              "</a/Materials/M>"),
     "wrong documents": 'def "a" (references = @b.mtlx@) { }',
 }  # fmt: skip
 
