@@ -8,6 +8,7 @@ from typing import Annotated, get_args
 from alight.core.fields import Interval, Model, Models, NumberOrTexture, Numbers
 from alight.core.spec import Bsdf, Spec, Texture
 
+Number = Annotated[float, Interval()]
 NonNegative = Annotated[float, Interval(low=0.0)]
 Positive = Annotated[float, Interval(low=0.0, open_ends=True)]
 UnitInterval = Annotated[float, Interval(0.0, 1.0)]

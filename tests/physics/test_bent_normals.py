@@ -56,6 +56,9 @@ def test_normals_of_a_map_are_its_colours():
     np.testing.assert_allclose(value[0], lambert((0.4, -0.2, 0.8), wo, wi), atol=1e-6)
     half, _ = Material(bsdf.replaced(scale=0.5)).evaluate(wo, wi)
     np.testing.assert_allclose(half[0], lambert((0.2, -0.1, 0.8), wo, wi), atol=1e-6)
+    # glTF has no bound for the scale.
+    hollow, _ = Material(bsdf.replaced(scale=-0.5)).evaluate(wo, wi)
+    np.testing.assert_allclose(hollow[0], lambert((-0.2, 0.1, 0.8), wo, wi), atol=1e-6)
 
 
 def test_slopes_of_a_bump_map_are_those_of_its_picture():

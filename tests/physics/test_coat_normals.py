@@ -125,9 +125,10 @@ def test_a_coat_has_the_normals_of_its_texture():
         np.testing.assert_allclose(
             values(tried, wo, wi), values(bent, wo, wi), rtol=1e-4, atol=2e-5
         )
-    half = own.replaced(clearcoat_normal_scale=0.5)
-    gentler = NormalMap(texture=BENT, scale=0.5, bsdf=Principled(**BLACK, **COAT))
-    np.testing.assert_allclose(values(half, wo, wi), values(gentler, wo, wi), rtol=1e-4, atol=2e-5)
+    for scale in (0.5, -0.7):
+        scaled = values(own.replaced(clearcoat_normal_scale=scale), wo, wi)
+        right = values(bent.replaced(scale=scale), wo, wi)
+        np.testing.assert_allclose(scaled, right, rtol=1e-4, atol=2e-5)
 
 
 def test_pictures_of_a_coats_normals_turn_with_their_transforms():

@@ -25,14 +25,13 @@ from alight.bsdfs.normals.shading_normals import (
     map_features,
     packed_modes,
 )
-from alight.core.field_types import NestedBsdf
+from alight.core.field_types import NestedBsdf, Number
 from alight.core.fields import Interval, NumberOrTexture, Truth
 from alight.core.parameters import slots_of
 from alight.core.spec import Texture
 from alight.textures import VARYING
 
 Height = Annotated[float | Texture | str, NumberOrTexture(Interval(), other=(str, Texture))]
-Number = Annotated[float, Interval()]
 
 
 class BumpMap(Nested):

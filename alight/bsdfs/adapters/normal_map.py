@@ -33,7 +33,7 @@ from alight.bsdfs.normals.shading_normals import (
 )
 from alight.bsdfs.normals.tangent_space import UNTURNED, set_of, turn_of
 from alight.bsdfs.plastics.plastic import Plastic
-from alight.core.field_types import ColorTexture, NestedBsdf, NonNegative
+from alight.core.field_types import ColorTexture, NestedBsdf, Number
 from alight.core.fields import Truth
 from alight.core.parameters import slots_of
 
@@ -45,8 +45,8 @@ class NormalMap(Nested):
     ----------
     texture : ColorTexture, default (0.5, 0.5, 1)
         The normals; a bitmap needs ``color_space: linear`` if it has 8 or 16 bits.
-    scale : float >= 0, default 1
-        Factor of the slopes.
+    scale : float, default 1
+        Factor of the slopes; below 0 hills become hollows.
     rims : {"lit", "folded", "black"}, default "lit"
         What to do with normals that turn away from the viewer.
     fading : bool, default True
@@ -60,7 +60,7 @@ class NormalMap(Nested):
     bends_normals: ClassVar[bool] = True
     type: Literal["normal_map"] = "normal_map"
     texture: ColorTexture = (0.5, 0.5, 1.0)
-    scale: NonNegative = 1.0
+    scale: Number = 1.0
     rims: Literal["lit", "folded", "black"] = "lit"
     fading: Truth = True
     follow_uv: Truth = True

@@ -72,7 +72,7 @@ from alight.bsdfs.microfacets.albedo_rows import (
 from alight.bsdfs.microfacets.facets import ANISOTROPIC
 from alight.bsdfs.normals.coat_normals import coat_features, pack_coat_normals
 from alight.bsdfs.rows import MANY_ROWS
-from alight.core.field_types import ColorTexture, IndexOfRefraction, NonNegative, UnitTexture
+from alight.core.field_types import ColorTexture, IndexOfRefraction, Number, UnitTexture
 from alight.core.fields import Interval, NumberOrTexture, Truth
 from alight.core.parameters import loader, reader, slots_of
 from alight.core.spec import Texture
@@ -120,8 +120,8 @@ class Principled(Absorbing):
     clearcoat_normal : ColorTexture, optional
         Normals of the coat, as of a `normal_map`; (0.5, 0.5, 1) are those of the surface. Without
         it the coat follows the map that bends what is below it.
-    clearcoat_normal_scale : float >= 0, default 1
-        Factor of their slopes.
+    clearcoat_normal_scale : float, default 1
+        Factor of their slopes; below 0 hills become hollows.
     sheen_color, sheen_roughness : ColorTexture and UnitTexture, defaults 0 and 0.3
         Colour and roughness of the sheen; roughness is at least 0.15.
     iridescence : UnitTexture, default 0
@@ -151,7 +151,7 @@ class Principled(Absorbing):
     clearcoat: UnitTexture = 0.0
     clearcoat_roughness: UnitTexture = 0.0
     clearcoat_normal: ColorTexture | None = None
-    clearcoat_normal_scale: NonNegative = 1.0
+    clearcoat_normal_scale: Number = 1.0
     sheen_color: ColorTexture = (0.0, 0.0, 0.0)
     sheen_roughness: UnitTexture = 0.3
     iridescence: UnitTexture = 0.0

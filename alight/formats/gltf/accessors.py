@@ -62,7 +62,9 @@ def _kind(item: Item) -> tuple[np.dtype[Any], int]:
     if not isinstance(component, int) or component not in COMPONENTS:
         listed = ", ".join(str(number) for number in COMPONENTS)
         raise item.fatal("componentType", f"must be one of {listed}, got {component!r:.60}")
-    kind = item.value.get("type")
+    if not item.has("type"):
+        raise item.fatal("type", f"is missing  (valid: {', '.join(TYPES)})")
+    kind = item.value["type"]
     if not isinstance(kind, str) or kind not in TYPES:
         raise item.fatal("type", unknown_name("accessor type", str(kind), TYPES))
     dtype = COMPONENTS[component]

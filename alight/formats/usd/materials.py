@@ -169,9 +169,10 @@ class _Preview:
         ior = float(self._plain("ior"))
         if not 1.0 <= ior <= LARGEST_IOR:
             # Indices below 1 are seen from inside the denser side.
-            inverse = 1.0 / ior if 0.2 <= ior < 1.0 else 1.5
-            self._approximate(f"ior {ior:g} became {inverse:g}")
-            return inverse
+            inverse = 1.0 / ior if 0.0 < ior < 1.0 else ior
+            nearest = min(inverse, LARGEST_IOR) if inverse >= 1.0 else 1.5
+            self._approximate(f"ior {ior:g} became {nearest:g}")
+            return nearest
         return ior
 
     def _normals(self) -> Data | None:

@@ -178,7 +178,10 @@ def _values(
         if table is not None and len(table):
             how = mesh.GetNormalsInterpolation()
             rows = _by_corners(table, how, len(points), counts, corners)
-            if rows is not None:
+            if rows is None:
+                text = f"normals has {len(table)} values, which do not fit"
+                stage.report.approximate(f"{prim.GetPath()}: {text}: left out")
+            else:
                 values["normals"] = rows
     return values
 

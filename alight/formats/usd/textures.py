@@ -89,7 +89,7 @@ class Textures:
         if identifier == "UsdUVTexture":
             return self._sampled(shader, output, is_color, high)
         if identifier.startswith("UsdPrimvarReader"):
-            return self._primvar(shader, is_color, fallback)
+            return self._primvar(shader, is_color, fallback, high)
         self._approximate(shader, f'shader "{identifier}" is not covered; a plain value is taken')
         return None
 
@@ -147,10 +147,9 @@ class Textures:
             if self._input(shader, "fallback") is None:
                 return None
             found = [float(c) for c in self._input(shader, "fallback", (0.0, 0.0, 0.0, 1.0))]
-            if is_color and output not in _CHANNELS:
-                return found[:3]
-            one = found[_CHANNELS.index(output) if output in _CHANNELS else 0]
-            return [one] * 3 if is_color else one
+            if output in _CHANNELS or not is_color:
+                found = [found[_CHANNELS.index(output) if output in _CHANNELS else 0]]
+            return _plain(found, is_color, high)
         scale, bias = self._range(shader)
         which = slice(3)
         if output in _CHANNELS or not is_color:
@@ -171,21 +170,21 @@ class Textures:
             found = {"type": "clamp", "texture": found}
         return found
 
-    def _primvar(self, shader: Any, is_color: bool, fallback: Any) -> Any:
+    def _primvar(self, shader: Any, is_color: bool, fallback: Any, high: float) -> Any:
         name = self._varname(shader)
         primvar = UsdGeom.PrimvarsAPI(self.prim).FindPrimvarWithInheritance(name)
         given = self._input(shader, "fallback")
         if not primvar or not primvar.HasValue():
-            return _plain(fallback if given is None else given, is_color)
+            return _plain(fallback if given is None else given, is_color, high)
         table = self.stage.table(primvar)
         if table is None:
-            return _plain(fallback, is_color)
+            return _plain(fallback, is_color, high)
         if primvar.GetInterpolation() == UsdGeom.Tokens.constant and len(table):
-            return _plain(table[0], is_color)
+            return _plain(table[0], is_color, high)
         if name == "displayColor" and is_color:
             return {"type": "vertex_color", "fallback": 0.18}
         self._approximate(shader, f"primvar {name} varies, which only displayColor may")
-        return _plain(fallback, is_color)
+        return _plain(fallback, is_color, high)
 
     def _coordinates_of(self, shader: Any) -> tuple[str, list[Data]]:
         """Which texture coordinates are used, and the steps that change them."""
@@ -332,10 +331,10 @@ def _packed(resolved: str, tell: Callable[[str], None]) -> Image:
         return packed_picture(archive.read(name), lambda text: tell(f"{quote(name)}: {text}"))
 
 
-def _plain(value: Any, is_color: bool) -> Any:
-    """A number, or the three of a colour, in [0, 1]."""
+def _plain(value: Any, is_color: bool, high: float) -> Any:
+    """A number, or the three of a colour, in [0, high]."""
     numbers = [float(c) for c in value] if hasattr(value, "__len__") else [float(value)]
-    numbers = [min(max(c, 0.0), 1.0) for c in numbers]
+    numbers = [min(max(c, 0.0), high) for c in numbers]
     if not is_color:
         return numbers[0]
     return numbers[:3] if len(numbers) >= 3 else numbers[:1] * 3

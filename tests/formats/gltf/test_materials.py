@@ -2,13 +2,16 @@
 
 import pytest
 
+from alight.formats import load
 from tests.formats.gltf.reading import core, material_of
 
 
-def test_textures_of_normals_are_numbers():
-    bsdf = material_of(normalTexture={"index": 0, "scale": 0.5})["bsdf"]
-    assert (bsdf["type"], bsdf["scale"]) == ("normal_map", 0.5)
+@pytest.mark.parametrize("scale", [0.5, -0.5])
+def test_textures_of_normals_are_numbers(scale):
+    bsdf = material_of(normalTexture={"index": 0, "scale": scale})["bsdf"]
+    assert (bsdf["type"], bsdf["scale"]) == ("normal_map", scale)
     assert bsdf["texture"]["color_space"] == "linear"
+    load({"camera": {"type": "pinhole"}, "bsdfs": {"it": bsdf}})
 
 
 def test_factors_multiply_channels():
