@@ -52,6 +52,7 @@ from alight.rendering.schedules.passes import PASS_SECONDS
 from alight.rendering.schedules.selection import time_limit_of
 from alight.scene import Scene, content_hash, flatten
 from alight.scene.flatten import place_camera
+from alight.scene.moving import has_keyframes
 from lanewise.machine import fingerprint
 
 #: Two frames share the threads, and none is shown before its end: passes may be longer than of a
@@ -151,6 +152,13 @@ class Animation:
         if options.turntable and place_camera(self.scene).motion is not None:
             text = "{turntable} takes the camera as it is at first, without its motion"
             self.prepared.useless.append((text, ("turntable",)))
+        if not options.turntable and len(self.numbers) > 1 and not has_keyframes(self.scene):
+            # Readers of glTF and OpenUSD show a file at one time.
+            text = (
+                "{frames}: nothing in the scene has keyframes, so every frame is the same picture; "
+                "{at} shows the animation of a glTF or OpenUSD file at one time"
+            )
+            self.prepared.useless.append((text, ("frames", "at")))
         # What the scene sets already is not set again for every frame; denoising has added layers.
         self.single = self.prepared.options.with_loaded_scene()
         #: By frame: threads are done in any order.

@@ -27,6 +27,12 @@ def motion_problems(scene: Scene) -> list[Issue]:
     return list(issues.values())
 
 
+def has_keyframes(scene: Scene) -> bool:
+    """Whether anything moves at any time: a node, or the camera."""
+    camera = [scene.camera] if isinstance(scene.camera, Node) else []
+    return any(isinstance(node.transform, Keyframes) for node in (*_all_nodes(scene), *camera))
+
+
 def _node_problems(scene: Scene, node: Node, here: Placement) -> Iterator[tuple[str, str]]:
     """(field, message) of what one moving node holds."""
     if node.shape is not None and not node.shape.finite:

@@ -16,6 +16,7 @@ from alight.rendering import animation
 from alight.rendering.animation import Animation, numbered
 from alight.rendering.executors import blocks
 from alight.rendering.schedules.passes import PASS_SECONDS
+from alight.scene import keyframes, translate
 from alight.scene.flatten import flatten, place_camera
 
 SMALL = {"size": (8, 8), "spp": 1, "threads": 1}
@@ -70,6 +71,26 @@ def test_frames_lie_between_the_frames_before_and_after():
     for number in made.numbers:
         camera = place_camera(made.scene_of(number)).camera
         assert camera.shutter == pytest.approx((number / 10, (number + 0.5) / 10))
+
+
+def test_frames_of_which_none_differs_are_told_of():
+    rests = alight.load("cornell-box")
+    moves = keyframes({0.0: translate(0, 0, 0), 1.0: translate(1, 0, 0)})
+    floor = rests.nodes["floor"].replaced(transform=moves)
+    camera = rests.camera.replaced(transform=moves)
+    for scene, words, told in (
+        (rests, {"frames": "0:3"}, True),
+        (rests, {"frames": "2:3"}, False),
+        (rests, {"frames": "0:3", "turntable": True}, False),
+        (rests.replaced(nodes={**rests.nodes, "floor": floor}), {"frames": "0:3"}, False),
+        (rests.replaced(camera=camera), {"frames": "0:3"}, False),
+    ):
+        made = Animation(scene, AnimationOptions(output="f_#.png", **words))
+        texts = made.prepared.warnings(lambda name: f"--{name}")
+        found = [text for text in texts if "keyframes" in text]
+        assert [text.split(":")[0] for text in found] == ["--frames"] * told
+        same = [alight.scene.content_hash(made.scene_of(n)) for n in made.numbers]
+        assert told == (len(same) > 1 and len(set(same)) == 1)
 
 
 @pytest.mark.parametrize("frames", ["0:4", "3:7"])
