@@ -132,6 +132,22 @@ def test_layers_of_the_architecture_page_are_those_of_the_contract():
     assert drawn.splitlines() == [layer.replace("alight.", "") for layer in layers]
 
 
+def test_the_architecture_page_names_every_folder_of_the_package():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = {name.removeprefix("alight/") for name in re.findall(r"`?([\w/]+)/(?!\w)", text)}
+    folders = {
+        str(path.relative_to(PACKAGE))
+        for depth in ("*/", "*/*/")
+        for path in PACKAGE.glob(depth)
+        if path.name != "__pycache__"
+    }
+    assert folders - named == set()
+    # Of two levels no folder is named that is not there.
+    there = folders | {f"tests/{path.name}" for path in (ROOT / "tests").iterdir()}
+    within = {name for name in named if "/" in name and name.split("/")[0] in folders}
+    assert {name for name in within if len(name.split("/")) == 2} - there == set()
+
+
 def _glossary():
     """The table rows of the glossary as {column: cell}."""
     heads, rows = [], []

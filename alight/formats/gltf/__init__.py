@@ -1,4 +1,4 @@
-"""Scene files in glTF 2.0 (.gltf and .glb). What is covered is listed in docs/gltf.md.
+"""Scene files in glTF 2.0 (.gltf and .glb). What is covered is listed in docs/formats.md.
 
 Source: Khronos Group, glTF 2.0 specification (https://registry.khronos.org/glTF/specs/2.0).
 """

@@ -18,7 +18,7 @@ from alight.formats.reading.names import free_name
 from alight.formats.reading.reach import OutOfReachError, Reach
 from alight.formats.reading.report import Report
 from alight.formats.reading.shown import Shown
-from alight.formats.reading.xml import MOST_BYTES
+from alight.formats.reading.xml import MOST_BYTES, Element
 from alight.formats.scenes.model_scene import ModelScene
 from alight.formats.scenes.parsed import Parsed
 from alight.scene.transform import translate
@@ -28,6 +28,8 @@ Data = dict[str, Any]
 AS_IT_IS = Shown()
 #: Balls that are shown, and from centre to centre of two of radius 1.
 MOST_BALLS, APART = 64, 2.4
+#: Of the format.
+VERSIONS = ("1.36", "1.37", "1.38", "1.39")
 SHADERBALL = {"type": "sphere"}
 #: Its poles above and below, its seam where the automatic camera does not see it.
 UPRIGHT = ({"rotate": {"axis": "x", "angle": -90.0}}, {"rotate": {"axis": "y", "angle": 120.0}})
@@ -117,7 +119,19 @@ def parse(
     if report.issues:
         raise SceneError(report.issues)
     report.drop("the file holds materials alone: a ball shows each")
+    _say_what_is_not_read(document.root.element, report)
     return model.finish()
+
+
+def _say_what_is_not_read(top: Element, report: Report) -> None:
+    """Remark on looks, which say what wears a material, and on versions of the format to come."""
+    version = top.attributes.get("version", "").strip()
+    if version and version not in VERSIONS:
+        text = f"version {quote(version)} is read as {VERSIONS[-1]}"
+        report.approximate(f"{top.place}: {text}  (covered: {', '.join(VERSIONS)})")
+    looks = [child.name or child.tag for child in top.children if child.tag == "look"]
+    if looks:
+        report.drop(f"looks ({', '.join(map(quote, looks[:20]))}): there is nothing to wear them")
 
 
 def decoded(data: bytes, name: str) -> str:

@@ -17,7 +17,7 @@ WRAPPERS = {
     "aov": "is taken off: layers are asked for with --aov",
     "multichannel": "is taken off: layers are asked for with --aov",
     "stokes": "is taken off: nothing is polarized",
-    "adaptive": "is taken off: --target-error does the same",
+    "adaptive": "is taken off: --error does the same",
     "irrcache": "is taken off: nothing is cached",
 }
 #: Integrators that start at lights too, and so find caustics of lights without a size.

@@ -34,6 +34,7 @@ def _subsurface(m: Making) -> Data:
     free = free if isinstance(free, list) else _usual(m, "mfp", [1.0] * 3)
     scattered, absorbed = _coefficients(m)
     m.p.ignore("real surfaces have none", "Kr", "Kt")
+    m.warn("becomes one in which light walks through the body, not by a profile of diffusion")
     if color is None:
         pairs = list(zip(absorbed, scattered, strict=True))
         color = [diffuse_reflectance(a, s, eta) for a, s in pairs]

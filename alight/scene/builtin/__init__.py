@@ -1,1 +1,1 @@
-"""Scenes that come with alight, one YAML file each; see `alight.scene.builtin_names`."""
+"""Scenes that come with alight, one YAML file each: `alight.formats.scene_text.builtin_names`."""
