@@ -26,8 +26,8 @@ C_TYPES = {
     "ptr": ctypes.c_uint64,
 }
 
-#: CUresult: out of memory.
-OUT_OF_MEMORY = 2
+#: CUresult: out of memory; no GPU that may be used.
+OUT_OF_MEMORY, NO_DEVICE = 2, 100
 
 #: CUdevice_attribute: multiprocessors; major and minor number of the compute capability.
 _MULTIPROCESSORS, _MAJOR, _MINOR = 16, 75, 76
@@ -67,7 +67,10 @@ class Driver:
                 "no NVIDIA driver is installed here (its library libcuda is not found); "
                 "the processor renders without it"
             ) from None
-        self.call("cuInit", 0)
+        try:
+            self.call("cuInit", 0)
+        except DeviceError as error:
+            raise (_none_found() if error.code == NO_DEVICE else error) from None
 
     def call(self, name: str, *arguments: Any) -> None:
         """Call a function.
@@ -108,9 +111,7 @@ class Gpu:
         self._driver = driver = Driver()
         self.driver_version = driver.number("cuDriverGetVersion")
         if not driver.number("cuDeviceGetCount"):
-            hidden = "CUDA_VISIBLE_DEVICES" in os.environ
-            why = "; CUDA_VISIBLE_DEVICES hides what there is" if hidden else ""
-            raise DeviceError(f"the NVIDIA driver finds no GPU{why}")
+            raise _none_found()
         self._device = driver.number("cuDeviceGet", 0)
         name = ctypes.create_string_buffer(256)
         driver.call("cuDeviceGetName", name, len(name), self._device)
@@ -242,6 +243,12 @@ class Gpu:
         blocks = -(-arguments[-1] // block)
         self._call("cuLaunchKernel", kernel, blocks, 1, 1, block, 1, 1, 0, None, pointers, None)
         self._call("cuCtxSynchronize")
+
+
+def _none_found() -> DeviceError:
+    hidden = "CUDA_VISIBLE_DEVICES" in os.environ
+    why = "; CUDA_VISIBLE_DEVICES hides what there is" if hidden else ""
+    return DeviceError(f"the NVIDIA driver finds no GPU{why}", NO_DEVICE)
 
 
 def _dotted(capability: tuple[int, int]) -> str:

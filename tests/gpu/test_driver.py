@@ -22,6 +22,7 @@ def message_of(monkeypatch, library):
     [
         (None, "no NVIDIA driver is installed here"),
         (Library(count=0), "the NVIDIA driver finds no GPU"),
+        (Library(failing={"cuInit": 100}), "the NVIDIA driver finds no GPU"),
         (Library(capability=(7, 0)), "Model 3 has compute capability 7.0; kernels need 7.5"),
         (Library(version=12020), "the driver of Model 3 supports CUDA 12.2; kernels need 12.3"),
         (Library(failing={"cuInit": 803}), "it is tired (CUDA error 803)"),
@@ -31,9 +32,10 @@ def test_what_is_missing_is_named(monkeypatch, library, text):
     assert text in message_of(monkeypatch, library)
 
 
-def test_hidden_gpus_are_pointed_at(monkeypatch):
+@pytest.mark.parametrize("fault", [{"count": 0}, {"failing": {"cuInit": 100}}])
+def test_hidden_gpus_are_pointed_at(monkeypatch, fault):
     monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "")
-    assert "CUDA_VISIBLE_DEVICES hides" in message_of(monkeypatch, Library(count=0))
+    assert "CUDA_VISIBLE_DEVICES hides" in message_of(monkeypatch, Library(**fault))
 
 
 def test_the_command_line_ends_with_2(monkeypatch):

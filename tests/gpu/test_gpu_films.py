@@ -32,6 +32,15 @@ def test_a_film_has_the_same_sums(on_the_processor, ours):
     assert film.stats["gpu"]["launches"] == 2
 
 
+def test_layers_of_direct_and_indirect_light_have_the_same_sums(on_the_processor):
+    words = {"spp": 3, "aovs": ("direct", "indirect"), **WORDS}
+    film, ours = (alight.render("cornell-box", device=on, **words) for on in ("gpu", "cpu"))
+    assert same(film, ours)
+    for name in words["aovs"]:
+        assert ours.aov(name).any()
+        assert np.array_equal(film.aov(name), ours.aov(name))
+
+
 def test_films_of_both_are_not_added(on_the_processor, ours):
     film = alight.render("cornell-box", spp=2, device="gpu", **WORDS)
     assert film.fingerprint != ours.fingerprint

@@ -3,8 +3,9 @@
 import numpy as np
 
 from alight.rendering.executors.blocks import Block
-from alight.rendering.executors.gpu_executor import groups, work_of
+from alight.rendering.executors.gpu_executor import GpuExecutor, groups, work_of
 from alight.rendering.tiles.tile_kernel import Tile
+from tests.gpu.processor import render_on_the_processor
 
 BLOCKS = [
     Block(Tile(3, 8, 20, 17), np.arange(12).reshape(2, 3, 2)),
@@ -52,3 +53,15 @@ def test_groups_are_as_large_as_there_is_room():
     assert [len(group) for group in groups([block] * 5, 128)] == [2, 2, 1]
     assert [len(group) for group in groups([block] * 2, 1)] == [1, 1]
     assert list(groups([], 128)) == []
+
+
+def test_each_table_has_the_room_that_it_needs(monkeypatch):
+    """With fewer replicates and more pixels some tables shrink, and others grow."""
+    render_on_the_processor(monkeypatch)
+    executor = GpuExecutor()
+    for sizes in ([96, 32, 24, 16], [96, 32, 48, 32], [48, 16, 48, 32]):
+        executor._make_room(3, sizes)
+        there = [len(executor._gpu.memory[address]) for address in executor._film]
+        assert all(room >= size for room, size in zip(there, sizes, strict=True))
+    # The work, too; what was too small is given back.
+    assert len(executor._gpu.memory) == 5

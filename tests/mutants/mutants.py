@@ -18,6 +18,7 @@ from tests.mutants.film import FILM
 from tests.mutants.foreign import FOREIGN
 from tests.mutants.formats import FORMATS
 from tests.mutants.foundations import FOUNDATIONS
+from tests.mutants.gpu import GPU
 from tests.mutants.graphs import GRAPHS
 from tests.mutants.guiding import GUIDING
 from tests.mutants.known_error import KNOWN_ERROR
@@ -55,6 +56,7 @@ from tests.mutants.waves import WAVES
 MUTANTS = (
     SCATTERING
     + LIGHT
+    + GPU
     + LAMP_MAPS
     + EMISSION
     + BOTH_ENDS

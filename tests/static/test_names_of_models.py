@@ -46,6 +46,7 @@ OTHER_MEANINGS: dict[str, set[str]] = {
     "options/render.py": {"direct"},
     "options/table.py": {"path"},
     "rendering/schedules/cycles.py": {"threshold"},
+    "rendering/executors/gpu_executor.py": {"direct"},
     "rendering/layers.py": {"direct"},
     "rendering/summary.py": {"relmse", "relmse_literature"},
     "rendering/tiles/tile.py": {"direct"},

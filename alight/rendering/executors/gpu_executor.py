@@ -46,13 +46,14 @@ class GpuExecutor:
         If there is none that can.
     """
 
-    pass_seconds, adds_whole_samples = PASS_SECONDS, False
+    pass_seconds, adds_whole_samples, is_shared = PASS_SECONDS, False, False
 
     def __init__(self) -> None:
         self._gpu = Gpu()
         self._seconds = self._launches = 0.0
         self._film: tuple[int, ...] = ()
-        self._places = self._items = 0
+        self._sizes: Sequence[int] = (0, 0, 0, 0)
+        self._items = 0
 
     @property
     def note(self) -> str:
@@ -89,7 +90,7 @@ class GpuExecutor:
         ]
         missing = [text for there, text in found if there]
         if missing:
-            raise OptionError(f"a GPU does not render {' or '.join(missing)} yet", "device")
+            raise OptionError(f"not rendered by a GPU yet: {'; '.join(missing)}", "device")
 
     def begin(self, job: Job) -> None:
         """Send the scene and its kernel.
@@ -147,8 +148,8 @@ class GpuExecutor:
         shares = max(1, BUSY * self._gpu.multiprocessors // pixels)
         work, shares = work_of(group, shares)
         places = shares * pixels
-        self._make_room(len(work), places, replicates)
         sizes = [8 * n * places for n in _numbers(replicates)]
+        self._make_room(len(work), sizes)
         for address, size in zip(self._film, sizes, strict=True):
             self._gpu.clear(address, size)
         self._gpu.write(self._work, work)
@@ -186,14 +187,14 @@ class GpuExecutor:
                 aovs=aovs if self._split else {},
             ), int(tally[RAYS])  # fmt: skip
 
-    def _make_room(self, items: int, places: int, replicates: int) -> None:
-        """Have memory for so much work and so many sums; what is there is used again."""
-        if places * replicates > self._places:
+    def _make_room(self, items: int, sizes: Sequence[int]) -> None:
+        """Have memory for so much work and so many bytes of sums; what is there is used again."""
+        if any(size > there for size, there in zip(sizes, self._sizes, strict=True)):
             for address in self._film:
                 self._gpu.free(address)
-            self._film, self._places = (), 0
-            self._film = tuple(self._gpu.allocate(8 * n * places) for n in _numbers(replicates))
-            self._places = places * replicates
+            self._film, self._sizes = (), (0, 0, 0, 0)
+            self._film = tuple(map(self._gpu.allocate, sizes))
+            self._sizes = sizes
         if items > self._items:
             if self._items:
                 self._gpu.free(self._work)

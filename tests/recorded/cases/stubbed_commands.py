@@ -303,6 +303,7 @@ def machines() -> dict[str, Any]:
                     alight__cli__doctor__sys=SimpleNamespace(
                         version_info=version, executable="python"
                     ),
+                    alight__cli__doctor___gpu=Stub("none" if name == "empty" else "a model"),
                     alight__rendering__resources__usable_processors=Stub(6),
                     lanewise__machine__cache_folder=Stub(cache),
                     lanewise__machine__lanes_of_machine=Stub(8),
