@@ -23,6 +23,7 @@ from alight.shapes.flat import (
     CENTER,
     E1,
     E2,
+    ERROR,
     IS_RECTANGLE,
     flat_point,
     local_coordinates,
@@ -32,7 +33,17 @@ from alight.shapes.flat import (
 )
 from alight.shapes.hit import INFO, AreaSample, Geometry, ShapeSample, area_to_solid_angle
 from lanewise.jit import kernel
-from lanewise.simd import absolute, gather, lanes_u32, lanes_vec3, maximum, minimum, rsqrt, where
+from lanewise.records import replace
+from lanewise.simd import (
+    absolute,
+    gather,
+    lanes_u32,
+    lanes_vec3,
+    maximum,
+    minimum,
+    rsqrt,
+    where,
+)
 
 
 class Rectangle(Shape):
@@ -132,10 +143,18 @@ def surface(tables, k, hit, o, d):
 
 @kernel
 def seen_from(data, k, p):
-    """The rectangle as `alight.core.warps` describes it; meaningless for a parallelogram."""
+    """The rectangle as `alight.core.warps` describes it; meaningless for a parallelogram.
+
+    Seen from one of its own points it would fill half of all directions, and rounding would choose
+    which half: a lamp whose back reflects would light it through itself. There points are chosen by
+    area, and the cosine takes their light.
+    """
     e1, e2 = gather_vec3(data, k + E1), gather_vec3(data, k + E2)
     corner = gather_vec3(data, k + CENTER) - e1 - e2
-    return spherical_rectangle(corner, 2.0 * e1, 2.0 * e2, p)
+    seen = spherical_rectangle(corner, 2.0 * e1, 2.0 * e2, p)
+    # Of the point, and of its distance from the plane.
+    error = 2.0 * gather(data, k + 15) + ERROR * (seen.x1 - seen.x0 + seen.y1 - seen.y0)
+    return replace(seen, by_area=seen.by_area | (seen.z0 <= error))
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from alight.lights.area import Area
-from alight.scene.transform import scale
+from alight.scene.transform import rotate, scale, translate
 from alight.shapes.cube import Cube
 from alight.shapes.disk import Disk
 from alight.shapes.rectangle import Rectangle
@@ -54,6 +54,24 @@ def test_inside_of_a_flipped_sphere_is_all_around():
     assert abs(found - 4.0 * np.pi) < LARGEST_Z * error
     dark = World((Sphere(), PLACEMENTS["moved"], Area()))
     assert not np.any(sample(dark, p, N).pdf > 0.0)
+
+
+#: The sides of two rectangles, and one in the plane of an axis.
+TURNED = [scale(0.4).matrix, (rotate("x", 127) @ scale(0.4, 0.3, 1)).matrix,
+          (translate(3, -7, 11) @ rotate((1, 2, 3), 40) @ scale(2, 0.1, 1)).matrix]  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", [Rectangle(), Rectangle(flip_normals=True), Disk()])
+@pytest.mark.parametrize("placement", TURNED, ids=["axis", "turned", "moved"])
+def test_no_light_reaches_a_flat_lamp_from_itself(shape, placement):
+    """Its back may reflect, and would be lit by its front, which it hides."""
+    world, worst = World((shape, placement, Area())), 0.0
+    for x, y in np.random.default_rng(5).uniform(-0.7, 0.7, (60, 2)):
+        light = sample(world, (placement @ [x, y, 0.0, 1.0])[:3], 200)
+        arrives = np.where(light.pdf > 0.0, np.abs(light.cosine), 0.0)
+        worst = max(worst, np.mean(arrives / np.where(light.pdf > 0.0, light.pdf, 1.0)))
+    # Seen from a point before it, it would be pi.
+    assert worst < 1e-3
 
 
 @each_placement

@@ -16,6 +16,13 @@ POWER = (
 
 LIGHT = (
     Mutant(
+        "a rectangle lights its own back",
+        "shapes/rectangle.py",
+        (("seen.by_area | (seen.z0 <= error)", "seen.by_area"),),
+        "tests/lights/test_solid_angles.py::test_no_light_reaches_a_flat_lamp_from_itself"
+        "[turned-shape0]",
+    ),
+    Mutant(
         "densities of lamps at rest by the motion of the second",
         "lights/moving.py",
         (
