@@ -7,6 +7,7 @@ do; so PTX is made by a process of its own, once, and kept like machine code.
 from __future__ import annotations
 
 import importlib
+import os
 import pickle
 import re
 import subprocess
@@ -111,11 +112,14 @@ def _made_elsewhere(asked: Asked) -> ObjectCode:
 
 def answer() -> None:
     """Make what is asked for on standard input, in a process that has compiled nothing yet."""
-    choose_target(PTX)
-    asked: Asked = pickle.load(sys.stdin.buffer)
-    compile_for = asked.kernel.compile_for
-    assert compile_for is not None
-    sys.stdout.buffer.write(pickle.dumps(lowered(compile_for(asked.arguments))))
+    # What imports print must not mix with the answer.
+    with os.fdopen(os.dup(1), "wb") as answers:
+        os.dup2(2, 1)
+        choose_target(PTX)
+        asked: Asked = pickle.load(sys.stdin.buffer)
+        compile_for = asked.kernel.compile_for
+        assert compile_for is not None
+        answers.write(pickle.dumps(lowered(compile_for(asked.arguments))))
 
 
 # ---------------------------------------------------------------- LLVM

@@ -1,7 +1,7 @@
 """The process that workers of ``local:N`` are forked from, which imports what they need, once.
 
-It takes as long for it as a render does for its own imports, so it is started as soon as anybody
-knows that it will be needed: both import at the same time.
+It takes as long for it as a render does for its own imports, so it is started as soon as it is
+known to be needed: both import at the same time.
 """
 
 from __future__ import annotations

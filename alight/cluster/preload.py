@@ -7,7 +7,7 @@ import signal
 from typing import Any
 
 #: Dask's words, and a traceback, for a scheduler that has ended while a worker reported to it.
-_FAREWELL = "Failed to communicate with scheduler during heartbeat"
+_HEARTBEAT_LOST = "Failed to communicate with scheduler during heartbeat"
 
 
 def dask_setup(_worker: Any) -> None:
@@ -21,8 +21,8 @@ def dask_setup(_worker: Any) -> None:
     the client says so where it has not.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    logging.getLogger("distributed.worker").addFilter(_is_news)
+    logging.getLogger("distributed.worker").addFilter(_is_relevant)
 
 
-def _is_news(record: logging.LogRecord) -> bool:
-    return not record.getMessage().startswith(_FAREWELL)
+def _is_relevant(record: logging.LogRecord) -> bool:
+    return not record.getMessage().startswith(_HEARTBEAT_LOST)

@@ -15,6 +15,6 @@ class DeviceOptions(Options):
 
     device: str = option(
         Choice("device", DEVICES),
-        "cpu, or gpu: NVIDIA's, by its driver; other samples of the same picture.",
+        "cpu or gpu (NVIDIA's); their pictures agree within noise.",
         default=CPU, panel=SAMPLING,
     )  # fmt: skip

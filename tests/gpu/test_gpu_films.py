@@ -71,6 +71,8 @@ def test_a_lost_gpu_leaves_a_checkpoint_that_goes_on(on_the_processor, ours, mon
 def test_a_gpus_checkpoint_needs_one(on_the_processor, monkeypatch, tmp_path):
     path = tmp_path / "a.alight"
     alight.render("cornell-box", spp=1, device="gpu", checkpoint=path, **WORDS)
+    with pytest.raises(OptionError, match="a GPU renders on this machine, cluster on others"):
+        alight.resume(path, spp=2, cluster="tls://10.0.0.1:8786")
     monkeypatch.setattr(ProcessorGpu, "description", {"gpu": "another one"})
     with pytest.raises(FilmError, match="gpu"):
         alight.resume(path, spp=2)
@@ -80,7 +82,7 @@ def test_a_gpus_checkpoint_needs_one(on_the_processor, monkeypatch, tmp_path):
     ("words", "text"),
     [
         ({"aovs": ("albedo",)}, "layers other than direct and indirect"),
-        ({"cluster": "local:1"}, "device gpu renders on this machine, cluster on others"),
+        ({"cluster": "local:1"}, "a GPU renders on this machine, cluster on others"),
     ],
 )
 def test_what_it_cannot_do_is_said_at_once(on_the_processor, monkeypatch, words, text):

@@ -126,7 +126,7 @@ def curve(placed: Placed) -> Mesh | Curves | None:
         return None
     if kind != "ribbon" and not placed.moves:
         return _strand(segments, widths)
-    if placed.moves:
+    if kind != "ribbon":
         p.report.warn(p.directive, "moves: triangles are taken")
     t = np.linspace(0.0, 1.0, PIECES * len(segments) + 1)
     center, along = _bezier(segments, t, degree)

@@ -94,9 +94,11 @@ class ClusterExecutor:
 
     def __exit__(self, *raised: object) -> None:
         """Disconnect; processes that were started for this render end."""
-        # A render that fails before it begins ends what is still starting, too.
-        wait([self._client])
-        self._stack.close()
+        try:
+            # A render that fails before it begins ends what is still starting, too.
+            wait([self._client])
+        finally:
+            self._stack.close()
 
     @property
     def machine(self) -> Mapping[str, str]:

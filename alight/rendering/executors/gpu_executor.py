@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 #: Threads for each multiprocessor that keep it busy to the end of a launch, if there are so many
 #: samples.
-BUSY = 2048
+THREADS_EACH = 2048
 
 #: Bytes of the sums of one launch, at most, if they are not those of a single block.
-ROOM = 2**28
+MOST_BYTES = 2**28
 
 #: Layers that come with the picture.
 SPLIT = {"direct", "indirect"}
@@ -132,7 +132,7 @@ class GpuExecutor:
         report: Callable[[], None],
     ) -> None:
         """Render blocks, as many in one launch as there is room for; see `Executor`."""
-        most = ROOM // (8 * sum(_numbers(settings.replicates)))
+        most = MOST_BYTES // (8 * sum(_numbers(settings.replicates)))
         for group in groups(blocks, most):
             if cancel.is_set():
                 return
@@ -145,7 +145,7 @@ class GpuExecutor:
     ) -> Iterator[tuple[PartialFilm, int]]:
         replicates = settings.replicates
         pixels = sum(map(pixels_in, group))
-        shares = max(1, BUSY * self._gpu.multiprocessors // pixels)
+        shares = max(1, THREADS_EACH * self._gpu.multiprocessors // pixels)
         work, shares = work_of(group, shares)
         places = shares * pixels
         sizes = [8 * n * places for n in _numbers(replicates)]

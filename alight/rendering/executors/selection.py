@@ -19,8 +19,9 @@ def executor_of(options: ClusterOptions, device: str) -> Executor:
     """
     if device == GPU:
         if options.cluster is not None:
-            raise OptionError("{device} gpu renders on this machine, {cluster} on others",
-                              names=("device", "cluster"))  # fmt: skip
+            # Or of a film that was begun on a GPU, which goes on there.
+            raise OptionError("a GPU renders on this machine, {cluster} on others",
+                              names=("cluster",))  # fmt: skip
         from alight.rendering.executors.gpu_executor import GpuExecutor
 
         return GpuExecutor()
