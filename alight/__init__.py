@@ -51,6 +51,7 @@ _PUBLIC = {
     "view": "alight.view",
     "register": "alight.core.registration",
     "AlightError": "alight.core.errors",
+    "DeviceError": "alight.core.errors",
     "FilmError": "alight.core.errors",
     "KernelError": "alight.core.errors",
     "OptionError": "alight.core.errors",
@@ -65,7 +66,14 @@ _PUBLIC = {
 }
 
 if TYPE_CHECKING:
-    from alight.core.errors import AlightError, FilmError, OptionError, OutputError, SceneError
+    from alight.core.errors import (
+        AlightError,
+        DeviceError,
+        FilmError,
+        OptionError,
+        OutputError,
+        SceneError,
+    )
     from alight.core.registration import register
     from alight.films import Film
     from alight.films.denoising import denoise
@@ -90,6 +98,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AlightError",
+    "DeviceError",
     "Film",
     "FilmError",
     "KernelError",

@@ -77,6 +77,10 @@ def scaled(numbers: np.ndarray) -> np.ndarray:
     return np.arcsinh(100.0 * finite)
 
 
+#: Folders in remedies: that of the project, and the one to trust.
+IN_REMEDIES = re.compile(r"""(pip install ["']|--root )[^\s"'\[]*""")
+
+
 class Notes:
     """What one test was answered."""
 
@@ -98,7 +102,7 @@ class Notes:
 
     def plain(self, text: str) -> str:
         """A text without the folders of this run."""
-        text = self.folder.sub("", text)
+        text = IN_REMEDIES.sub(r"\1", self.folder.sub("", text))
         # What OpenUSD says has other words in another version.
         return masked(OF_OPENUSD.sub(r"\1", text))
 

@@ -12,6 +12,7 @@ from alight.integrators.path import Path
 from alight.integrators.random_walk import RandomWalk
 from alight.rendering import depth_cap
 from alight.rendering.depth_cap import light_beyond, measured
+from alight.rendering.rare_light import RareLight
 
 #: Light of a path of one edge more over that of the path.
 DECAY = 0.6
@@ -28,7 +29,7 @@ class Box:
         settings = SimpleNamespace(_replace=lambda **changes: SimpleNamespace(**changes))
         scene = SimpleNamespace(integrator=integrator)
         self.job = SimpleNamespace(
-            rounds=[film], scene=scene, settings=settings, kernels=None, behind_glass=None
+            rounds=[film], scene=scene, settings=settings, kernels=None, rare_light=RareLight()
         )
         monkeypatch.setattr(depth_cap, "render_tile", self.render)
 

@@ -17,8 +17,9 @@ import alight
 from alight.bsdfs.matte.diffuse import Diffuse
 from alight.core.errors import FilmError, OptionError, OutputError
 from alight.films import Film
-from alight.rendering.checkpoints import checkpoint_writer, resume
+from alight.rendering.checkpoints import checkpoint_writer
 from alight.rendering.checkpoints.checkpoint import read_checkpoint
+from alight.rendering.executors import blocks
 from alight.rendering.schedules import selection as schedules
 from alight.rendering.schedules.schedule import Goal, Schedule, Verdict
 from alight.rendering.summary import summary_lines
@@ -249,9 +250,8 @@ def test_a_changed_file_of_a_scene_is_named(tmp_path):
 def test_another_machine_is_refused_by_what_differs(tmp_path, monkeypatch):
     path = tmp_path / "a.alight"
     alight.render(scene(), spp=1, checkpoint=path)
-    other = {**resume.describe_machine(), "lanes": "4"}
-    monkeypatch.setattr(resume, "describe_machine", lambda: other)
-    monkeypatch.setattr(resume, "fingerprint", lambda: "other")
+    other = {**blocks.describe_machine(), "lanes": "4"}
+    monkeypatch.setattr(blocks, "describe_machine", lambda: other)
     with pytest.raises(
         FilmError, match=r"other bits\n  lanes: was \d+, is 4\nits picture is whole"
     ):
