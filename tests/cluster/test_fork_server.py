@@ -56,6 +56,7 @@ def test_only_processes_of_this_machine_are_forked(monkeypatch):
         None,
         "tcp://127.0.0.1:8786",
         "local:",
+        "local:0",
         "local:x",
         "local:2x",
         "a.yaml",
