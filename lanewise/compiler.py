@@ -7,7 +7,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from lanewise import memory_instructions, record_instructions, simd, wide_instructions
+from lanewise import (
+    memory_instructions,
+    record_instructions,
+    scalar_instructions,
+    simd,
+    wide_instructions,
+)
 from lanewise.dispatchers import jit
 from lanewise.instructions import PRIMITIVES
 from lanewise.kept_functions import digest_on_disk, keep_on_disk
@@ -20,7 +26,7 @@ __all__ = ["digest_on_disk", "jit", "keep_on_disk", "object_code", "primitive"]
 compile_for_target()
 
 # They fill PRIMITIVES.
-assert memory_instructions and record_instructions and wide_instructions
+assert memory_instructions and record_instructions and scalar_instructions and wide_instructions
 
 
 def primitive(value: Any) -> Any:

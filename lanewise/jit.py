@@ -11,6 +11,7 @@ that were compiled before (`machine_code`) do not need a compiler.
 
 from __future__ import annotations
 
+import builtins
 import gc
 import threading
 import types
@@ -126,8 +127,9 @@ class _Build(ABC):
         """The same code over globals and a closure in which kernels are replaced."""
         scope = dict(function.__globals__)
         for name in _names(function.__code__):
-            if name in scope:
-                scope[name] = self.replacement(scope[name], strict)
+            value = scope.get(name, getattr(builtins, name, None))
+            if value is not None:
+                scope[name] = self.replacement(value, strict)
         cells = tuple(
             types.CellType(self.replacement(cell.cell_contents, strict))
             for cell in function.__closure__ or ()

@@ -6,8 +6,8 @@ is as before is read instead of compiled. So is what two programs have in common
 text is as before, but not that of its callees, is linked with these anew (`lanewise.unlinked`).
 
 A function's name in LLVM IR ends with the digest of its text, so that functions of several
-processes can meet in one module. Numba's own functions, such as `max` of two integers, are counted
-in each process; of those that kernels call, two of one name are the same function.
+processes can meet in one module. Numba's own functions are counted in each process; kernels call
+few of them (`lanewise.scalar_instructions`) and have them inlined.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import re
 from copy import copy
+from dataclasses import dataclass
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -122,8 +123,10 @@ class OptimisedLibrary(JITCodeLibrary):
 
     def add_linking_library(self, library):
         """Link with a function; not with Numba's runtime, "nrt", as kernels count no references."""
-        if library.name != "nrt" or isinstance(library, OptimisedLibrary):
+        if isinstance(library, OptimisedLibrary):
             super().add_linking_library(library)
+        elif library.name != "nrt":
+            super().add_linking_library(InlinedLibrary(library))
 
     def add_ir_module(self, ir_module):
         """Take in what is being lowered."""
@@ -196,6 +199,27 @@ class OptimisedLibrary(JITCodeLibrary):
             return self._final_module.as_bitcode()
         # `_tm` is llvmlite's TargetMachine for this processor, which knows `emit_object`.
         return self._codegen._tm.emit_object(self._final_module)
+
+
+@dataclass(frozen=True)
+class InlinedLibrary:
+    """A function of Numba's own, to be inlined into the kernels that call it.
+
+    LLVM would inline it where that seems worth while. Its estimate depends on what else is known of
+    the program at that time, and with it depended how a kernel rounds.
+    """
+
+    of: Any
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.of, name)
+
+    def _get_module_for_linking(self) -> Any:
+        module = self.of._get_module_for_linking().clone()
+        for function in module.functions:
+            if not function.is_declaration and b"noinline" not in b" ".join(function.attributes):
+                function.add_function_attribute("alwaysinline")
+        return module
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)

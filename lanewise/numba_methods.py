@@ -7,6 +7,7 @@ METHODS = {
     ("numba.core.base.BaseContext", "get_constant"): "a Python number as a constant",
     ("numba.core.base.BaseContext", "get_data_type"): "how a type is laid out in memory",
     ("numba.core.base.BaseContext", "get_dummy_value"): "what a call that returns None gives",
+    ("numba.core.base.BaseContext", "get_function"): "what emits a call, by operator and signature",
     ("numba.core.base.BaseContext", "get_value_as_data"): "a value as it is laid out in memory",
     ("numba.core.base.BaseContext", "get_value_type"): "the LLVM type of values of a type",
     ("numba.core.base.BaseContext", "make_tuple"): "a tuple of values",

@@ -18,7 +18,7 @@ from alight.bsdfs.switch import SAME_BACK
 from alight.compiled.materials import Packer, compile_materials
 from alight.compiled.program import Program
 from alight.core.registry import type_name_of
-from alight.laws.compiled import N, scatter
+from alight.laws.compiled import N, rounding_of_cosine, scatter
 from alight.shapes.hit import COLORS, INFO
 from alight.textures import vertex_color
 from alight.textures.checkerboard import Checkerboard
@@ -92,10 +92,11 @@ def test_compiled_code_equals_the_twin(specs):
     ids = mixed_ids(specs)
     compiled, twin = scatter(specs, ids, True), scatter(specs, ids, False)
     assert np.all(np.isfinite(compiled))
-    # Of directions; near the horizon the cosine is the root of a small difference. Where a sample
-    # fails, any direction will do.
+    # Of directions. Where a sample fails, any will do.
     used = twin[6] > 0.0
-    np.testing.assert_allclose(compiled[:3, used], twin[:3, used], atol=3e-6)
+    np.testing.assert_allclose(compiled[:2, used], twin[:2, used], atol=3e-6)
+    cosines = np.abs(compiled[2, used] - twin[2, used])
+    np.testing.assert_array_less(cosines, 3e-6 + rounding_of_cosine(twin[2, used]))
     # The sharpest lobe takes rounding errors of a direction to the power of 300; of what passes a
     # thin sheet some densities differ by 5e-5.
     np.testing.assert_allclose(compiled[3:14], twin[3:14], rtol=1e-4, atol=2e-6)
