@@ -14,7 +14,6 @@ from numba import types
 from numba.extending import intrinsic
 
 from lanewise.instructions import PRIMITIVES
-from lanewise.numba_adapter import signature
 
 
 def _extremum(better):
