@@ -29,6 +29,8 @@ class Remarks:
         Kinds of things that were read, and how many.
     assumed : tuple of (str, str)
         Key path, and the warning that holds for as long as its value stays what it was.
+    plays : bool
+        Whether the file has an animation, of which one time is shown.
     """
 
     notes: tuple[str, ...] = ()
@@ -36,6 +38,7 @@ class Remarks:
     spp: int | None = None
     read: tuple[tuple[str, int], ...] = ()
     assumed: tuple[tuple[str, str], ...] = ()
+    plays: bool = False
 
 
 @dataclass(frozen=True)

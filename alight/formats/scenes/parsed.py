@@ -34,6 +34,7 @@ class Parsed:
     framed : Bounds, optional
         What the camera must see, where the file has none of its own.
     assumed : dict of str to str
+    plays : bool
         See `alight.formats.reading.report.Report`.
     """
 
@@ -46,6 +47,7 @@ class Parsed:
     counts: dict[str, int] = field(default_factory=dict)
     framed: Bounds | None = None
     assumed: dict[str, str] = field(default_factory=dict)
+    plays: bool = False
 
     @classmethod
     def of(
@@ -58,11 +60,13 @@ class Parsed:
     ) -> Parsed:
         """Put a description and what was noticed together."""
         remarks = (report.issues, report.notes, report.warnings)
-        return cls(data, places, *remarks, spp, report.counts, framed, report.assumed)
+        chosen = report.assumed, report.plays
+        return cls(data, places, *remarks, spp, report.counts, framed, *chosen)
 
     @property
     def remarks(self) -> Remarks:
         """What a scene keeps of it."""
         read = tuple((kind, number) for kind, number in self.counts.items())
         assumed = tuple(self.assumed.items())
-        return Remarks(tuple(self.notes), tuple(self.warnings), self.spp, read, assumed)
+        said = tuple(self.notes), tuple(self.warnings)
+        return Remarks(*said, self.spp, read, assumed, self.plays)

@@ -230,8 +230,9 @@ def _time(stage: Any, name: str, report: Report, at: float | None) -> Any:
     if at is None and not stage.HasAuthoredTimeCodeRange():
         return Usd.TimeCode.EarliestTime()
     start = float(_metadata(stage, "startTimeCode", 0.0))
+    report.plays = _metadata(stage, "endTimeCode", start) > start
     if at is None:
-        if _metadata(stage, "endTimeCode", start) > start:
+        if report.plays:
             report.drop(
                 f"times after {start:g}: the scene is shown at that one; --at SECONDS shows it "
                 "at another"
