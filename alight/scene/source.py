@@ -29,8 +29,6 @@ class Remarks:
         Kinds of things that were read, and how many.
     assumed : tuple of (str, str)
         Key path, and the warning that holds for as long as its value stays what it was.
-    plays : bool
-        Whether the file has an animation, of which one time is shown.
     """
 
     notes: tuple[str, ...] = ()
@@ -38,7 +36,11 @@ class Remarks:
     spp: int | None = None
     read: tuple[tuple[str, int], ...] = ()
     assumed: tuple[tuple[str, str], ...] = ()
-    plays: bool = False
+
+    @property
+    def plays(self) -> bool:
+        """Whether the file has an animation, of which one time is shown."""
+        return "animations" in dict(self.read)
 
 
 @dataclass(frozen=True)

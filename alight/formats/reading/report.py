@@ -46,8 +46,6 @@ class Report:
         Key path -> the warning that holds as long as its value stays.
     told : set of (str, str)
         What has been reported, each only once: a file may have as many remarks as shapes.
-    plays : bool
-        Whether the file has an animation, of which one time is shown.
     """
 
     lenient: bool = False
@@ -57,7 +55,6 @@ class Report:
     counts: dict[str, int] = field(default_factory=dict)
     assumed: dict[str, str] = field(default_factory=dict)
     told: set[tuple[str, str]] = field(default_factory=set)
-    plays: bool = False
 
     def error(self, item: Item, message: str) -> None:
         """Report a problem of a part of the file, which nothing mends but an edit."""

@@ -34,7 +34,6 @@ class Parsed:
     framed : Bounds, optional
         What the camera must see, where the file has none of its own.
     assumed : dict of str to str
-    plays : bool
         See `alight.formats.reading.report.Report`.
     """
 
@@ -47,7 +46,6 @@ class Parsed:
     counts: dict[str, int] = field(default_factory=dict)
     framed: Bounds | None = None
     assumed: dict[str, str] = field(default_factory=dict)
-    plays: bool = False
 
     @classmethod
     def of(
@@ -60,13 +58,11 @@ class Parsed:
     ) -> Parsed:
         """Put a description and what was noticed together."""
         remarks = (report.issues, report.notes, report.warnings)
-        chosen = report.assumed, report.plays
-        return cls(data, places, *remarks, spp, report.counts, framed, *chosen)
+        return cls(data, places, *remarks, spp, report.counts, framed, report.assumed)
 
     @property
     def remarks(self) -> Remarks:
         """What a scene keeps of it."""
         read = tuple((kind, number) for kind, number in self.counts.items())
         assumed = tuple(self.assumed.items())
-        said = tuple(self.notes), tuple(self.warnings)
-        return Remarks(*said, self.spp, read, assumed, self.plays)
+        return Remarks(tuple(self.notes), tuple(self.warnings), self.spp, read, assumed)
