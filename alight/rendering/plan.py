@@ -297,7 +297,7 @@ def plan_of(pilot: PilotSchedule, replicates: int) -> Plan:
         least = Estimate(math.nan, float(low), math.inf)
         why = _BY_CHANCE if pilot.by_chance else _FEW
         return Plan(least, _seconds(pilot, least, replicates), shown, reached, spp, **why)
-    high = next_look(_look_after(max(needs) * (1.0 + _RULE_DOUBT), replicates) - 1, replicates)
+    high = next_look(_look_after(max(needs) * (1.0 + _RULE_DOUBT), replicates), replicates)
     estimate = Estimate(min(max(middle, low), high), float(low), float(high))
     seconds = _seconds(pilot, estimate, replicates)
     return Plan(estimate, seconds, shown, reached, spp)

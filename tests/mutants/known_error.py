@@ -13,9 +13,9 @@ UNMET = "tests/metrics/test_unmet_light.py"
 
 KNOWN_ERROR = (
     Mutant(
-        "half of the doubt for each look, however much errors deviate",
+        "the whole doubt for each look, however much errors deviate",
         "rendering/schedules/stopping.py",
-        (("look_doubt(promise.confidence, estimate.figure.deviation)", "promise.doubt"),),
+        (("look_doubt(promise.doubt, estimate.figure.deviation)", "promise.doubt"),),
         "tests/known_error/test_laws_of_promises.py::test_a_look_at_one_noisy_pixel_asks_for_more",
     ),
     Mutant(
@@ -245,10 +245,18 @@ KNOWN_ERROR = (
         f"{PROMISES}::test_a_look_asks_for_the_error_that_is_not_exceeded",
     ),
     Mutant(
-        "all the doubt at every look",
+        "twice the doubt at every look",
         "rendering/schedules/stopping.py",
-        (("doubt = 0.5 * (1.0 - confidence)", "doubt = 1.0 - confidence"),),
-        f"{PROMISES}::test_a_look_asks_for_the_error_that_is_not_exceeded",
+        (("return doubt * min(", "return 2.0 * doubt * min("),),
+        "tests/known_error/test_laws_of_promises.py"
+        "::test_looks_without_end_are_wrong_no_more_often_than_one_promises",
+    ),
+    Mutant(
+        "looks that miss the powers of two",
+        "rendering/schedules/stopping.py",
+        (("step * (rounds // step + 1)", "(rounds + step)"),),
+        "tests/known_error/test_laws_of_promises.py"
+        "::test_looks_are_even_numbers_of_points_in_every_replicate",
     ),
     Mutant(
         "rare light passed over",

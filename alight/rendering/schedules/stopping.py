@@ -1,21 +1,21 @@
 r"""Stopping at an error: the promise, the looks, and the final verdict.
 
 A look at a film asks for the error that the true one does not exceed. Looks may be as many as they
-like, because the error falls while one waits. Call :math:`\sigma` the deviation of the estimated
-error's logarithm. A render can only be ended too early by a look that comes before the error is
-reached: the m-th of these, counted backwards, finds a true error that is :math:`g^m` times too
-large, g being the growth from look to look, and has to be wrong by so much more:
+like, because the error falls while one waits: a render can only be ended too early by a look that
+comes before the error is reached, and the earlier it comes, the more wrong it has to be. Each look
+holds the samples of those before it, so looks are alike, too: squared errors of sums of n and m > n
+independent parts correlate by n / m.
 
-.. math:: P \le 1 - \prod_{m \ge 0} \Phi(z + m \log(g) / \sigma)
-
-If looks were independent, the product would be the probability that all are right. Each holds the
-samples of those before it, so they are positively correlated, and all are right at least as often
-(Slepian 1962). With half of the doubt for each look the bound stays below the doubt up to
-:math:`\sigma = 0.73` for every confidence from 50 %, and up to 0.87 for 95 %. Errors that few
-pixels carry deviate by more, so that a look may be wrong less often there (`look_doubt`).
+The law behind the doubt of one look is that of sums of normal noise, in whose pictures the true
+relMSE over the estimate is F(nu, (R - 1) nu). Of renders that end at their first look with
+:math:`\hat e^2 F_{1-p} \le a^2`, the part with :math:`e^2 > a^2` is at most p from nu = 5 on, at
+any confidence, and grows with the deviation sigma of log(relRMSE) where fewer pixels carry the
+error: to 1.1, 1.4 and 2.9 p at nu = 3, 2 and 1 (sigma = 0.52, 0.66 and 1.07). So every look may be
+wrong with the whole doubt of the promise up to :math:`\sigma = 0.35`, and with 0.35 / sigma of it
+beyond that. `tests/known_error/test_laws_of_promises.py` walks such renders.
 
 Under the metric "pixel" a look is wrong if fewer of the pixels than estimated happen to be within
-the error; that, too, may have half of the doubt.
+the error; that may have half of the doubt.
 
 Light that has hardly been seen yet is in no error estimate, so there is a second figure, the unseen
 energy, which has to be as small. `docs/known-error.md` has how often the promise was kept.
@@ -37,18 +37,19 @@ from alight.options.render import PromiseOptions
 from alight.rendering.schedules.rare_noise import rare_noise
 from alight.rendering.schedules.unseen import cell_sum, spread_over_pixels, unseen_error
 
-#: Samples per pixel at the first look, and their growth from look to look.
-FIRST_LOOK, GROWTH = 16, 1.25
+#: Samples per pixel at the first look.
+FIRST_LOOK = 16
+
+#: Their growth from look to look, on average: there are four looks from one power of two of samples
+#: of a replicate to the next, which is where the points of a sequence are most even.
+GROWTH = 2.0**0.25
 
 #: A pixel's own variance has R - 1 degrees of freedom; that of its cell counts as so many more, so
 #: that R = 4 gives Student's distribution with 8.
 _CELL_FREEDOM = 5.0
 
-#: More looks than there are between the first one and the largest number of samples, 2^31.
-MOST_LOOKS = 90
-
-#: Deviation up to which half of the doubt is enough for each look, whatever the confidence.
-ENOUGH_FOR_HALF = 0.73
+#: Deviation of log(relRMSE) up to which a look may be wrong as often as the promise.
+WHOLE_DOUBT = 0.35
 
 _NORMAL = NormalDist()
 
@@ -88,8 +89,8 @@ class Promise:
 
     @property
     def doubt(self) -> float:
-        """Probability that one look may be wrong: half of that of all looks together."""
-        return look_doubt(self.confidence, 0.0)
+        """Probability that the promise may be broken."""
+        return 1.0 - self.confidence
 
     def state(self) -> dict[str, Any]:
         """Copy the fields."""
@@ -142,26 +143,17 @@ class Judgement(NamedTuple):
         return self.achieved <= LARGEST_TOLD
 
 
-def look_doubt(confidence: float, deviation: float) -> float:
-    """Probability that one look may be wrong, so that all looks together keep the confidence.
+def look_doubt(doubt: float, deviation: float) -> float:
+    """Probability that one look may be wrong, so that the first one that says "met" keeps a doubt.
 
     Parameters
     ----------
-    confidence : float
-        In [0.5, 1).
+    doubt : float
+        Of the promise, in (0, 0.5].
     deviation : float
-        Of the estimated error's logarithm.
+        Of the logarithm of the estimated relRMSE.
     """
-    doubt = 0.5 * (1.0 - confidence)
-    while deviation > ENOUGH_FOR_HALF and _all_looks(doubt, deviation) > 1.0 - confidence:
-        doubt *= 0.9
-    return doubt
-
-
-def _all_looks(doubt: float, deviation: float) -> float:
-    """The bound of P above."""
-    z, step = -_NORMAL.inv_cdf(doubt), math.log(GROWTH) / deviation
-    return 1.0 - math.prod(_NORMAL.cdf(z + m * step) for m in range(MOST_LOOKS))
+    return doubt * min(1.0, WHOLE_DOUBT / max(deviation, WHOLE_DOUBT))
 
 
 def first_look(replicates: int) -> int:
@@ -170,8 +162,10 @@ def first_look(replicates: int) -> int:
 
 
 def next_look(spp: int, replicates: int) -> int:
-    """Samples per pixel at the look after that at `spp`."""
-    return replicates * math.ceil(GROWTH * spp / replicates)
+    """Samples per pixel at the look after `spp`: 4, 5, 6 or 7 times a power of two a replicate."""
+    rounds = spp // replicates
+    step = 2 ** max(rounds.bit_length() - 3, 0)
+    return replicates * step * (rounds // step + 1)
 
 
 def judge(film: Film, promise: Promise) -> Judgement:
@@ -211,7 +205,7 @@ def judge_means(
             met=False,
             factor=math.inf,
         )
-    sure = 1.0 - look_doubt(promise.confidence, estimate.figure.deviation)
+    sure = 1.0 - look_doubt(promise.doubt, estimate.figure.deviation)
     achieved = estimate.relrmse_below(sure)
     unseen = unseen_error(means, counts, promise.error, largest, by_chance, behind)
     if unseen.figure <= promise.error:
@@ -228,12 +222,13 @@ def judge_means(
         if achieved > LARGEST_TOLD:
             factor = math.inf
     else:
-        share = share_within(means, counts, promise.error, promise.doubt)
+        doubt = 0.5 * promise.doubt
+        share = share_within(means, counts, promise.error, doubt)
         within = share >= promise.share
         # The samples at which errors smaller by their root would be within.
         factor = 1.0
         while factor < 1e9 and promise.share > share_within(
-            means, counts, promise.error * math.sqrt(factor), promise.doubt
+            means, counts, promise.error * math.sqrt(factor), doubt
         ):
             factor *= 1.1
         if factor >= 1e9:
