@@ -70,6 +70,29 @@ def test_squares_without_a_tile_show_the_border_of_the_nearest(folder):
     assert data["wrap"] == "clamp"
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_every_texel_is_the_nearest_tile_s_at_clamped_coordinates(seed, tmp_path):
+    """Sets with gaps on all sides; of two tiles as near, that of the lower number."""
+    rng = np.random.default_rng(seed)
+    places = [divmod(int(k), 4)[::-1] for k in rng.choice(16, 4, replace=False)]
+    tiles = {place: rng.integers(0, 256, (3, 5, 3), np.uint8) for place in places}
+    for (column, row), texels in tiles.items():
+        Picture.fromarray(texels).save(tmp_path / f"t.{1001 + column + 10 * row}.png")
+    data = laid_out(tmp_path)
+    low, high = np.min(places, axis=0), np.max(places, axis=0)
+    # Centres of texels, upwards from the lower left corner of the lowest and leftmost tile.
+    u = low[0] + (np.arange(5 * (high[0] - low[0] + 1)) + 0.5) / 5
+    v = low[1] + (np.arange(3 * (high[1] - low[1] + 1)) + 0.5) / 3
+    expected = np.zeros((v.size, u.size, 3), np.uint8)
+    for y, x in np.ndindex(v.size, u.size):
+        square = np.floor([u[x], v[y]])
+        c, r = min(places, key=lambda p: (np.sum((square - p) ** 2), p[1], p[0]))
+        s, t = np.clip([(u[x] - c) * 5, (v[y] - r) * 3], 0, [4, 2]).astype(int)
+        expected[y, x] = tiles[c, r][2 - t, s]
+    np.testing.assert_array_equal(data["pixels"].texels, expected[::-1])
+    assert [texel_at(data, x, v[0]) for x in u] == [tuple(row) for row in expected[0].tolist()]
+
+
 def test_coordinates_are_moved_first(folder):
     data = laid_out(folder, to_uv=[{"scale": 2.0}], wrap="repeat", wrap_v="mirror")
     assert texel_at(data, 0.75, 0.45) == COLORS[1002]

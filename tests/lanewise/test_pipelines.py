@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lanewise.application import variable
+from lanewise.dispatchers import jit
 from lanewise.jit import StockKernel, instantiate, kernel, specialised
 from lanewise.machine_code import MachineCode
 from lanewise.simd import (
@@ -96,3 +97,10 @@ def test_another_word_is_refused(monkeypatch):
     monkeypatch.setenv(variable("PIPELINE"), "fast")
     with pytest.raises(ValueError, match=r"PIPELINE must be lean or stock, got 'fast'"):
         instantiate(accelerate, "gravity")
+
+
+@pytest.mark.parametrize("stock", [False, True])
+@pytest.mark.parametrize("flags", [set(), {"contract", "nsz"}])
+def test_a_kernel_has_the_fast_mathematics_that_it_is_given(flags, stock):
+    dispatcher = jit(lambda x: x + 1.0, fast_math=flags, root=True, stock=stock)
+    assert dispatcher.targetoptions["fastmath"] == flags

@@ -61,3 +61,18 @@ def test_a_sun_has_the_light_of_its_texels(row):
     theta, phi = row * step, 5.5 * 2.0 * np.pi / 256.0
     place = [np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)]
     np.testing.assert_allclose(disk.axis, place, atol=1e-6)
+
+
+@pytest.mark.parametrize(("beside", "belongs"), [(0.3, True), (0.12, True), (0.09, False)])
+def test_a_sun_has_all_texels_that_shine_a_tenth_as_bright(beside, belongs):
+    """Its middle lies between them, nearer to what is brighter."""
+    pixels = np.zeros((129, 256, 3), np.float32)
+    pixels[64, 5], pixels[64, 6] = 1.0, beside
+    disk = brightest_disk(pixels, np.eye(3))
+    assert disk is not None
+    share = np.sin(0.5 * np.pi / 128.0) / 256.0
+    np.testing.assert_allclose(disk.mean, share * (1.0 + beside * belongs), rtol=1e-6)
+    phi = np.array([5.5, 6.5]) * 2.0 * np.pi / 256.0
+    weights = np.array([1.0, beside * belongs])
+    middle = np.array([np.sin(phi) @ weights, 0.0, -np.cos(phi) @ weights])
+    np.testing.assert_allclose(disk.axis, middle / np.linalg.norm(middle), atol=1e-6)

@@ -7,6 +7,7 @@ import pytest
 
 import alight
 from alight.scene import content_hash, flatten
+from alight.scene.content import differences
 
 #: One of everything that a hash may leave out: lights on shapes, inside prototypes, at points and
 #: around the scene, media, motion, meshes with all arrays, displacement, textures within textures.
@@ -174,3 +175,22 @@ def test_media_are_those_that_are_said_or_those_around(around, of_camera, outsid
     assert named(flat.start_medium) == (of_camera or around or "vacuum")
     inside, outer = flat.shapes[0].border
     assert (named(inside), named(outer)) == ("smoke", outside or around or "vacuum")
+
+
+@pytest.mark.parametrize(
+    ("key", "gone", "new", "other"),
+    [
+        ("film.size", "is gone (was 1)", "is new (1)", "was 1, is 2"),
+        ("file a.exr", "is gone", "is new", "its content has changed"),
+        ("registered bsdf a", "is gone", "is new", "its content has changed"),
+    ],
+)
+def test_a_difference_says_what_was_and_what_is(key, gone, new, other):
+    """Read backwards it says the opposite, and what is the same is not said."""
+    same, one = {"same": "3"}, {key: "1"}
+    assert differences(same | one, same) == [f"{key}: {gone}"]
+    assert differences(same, same | one) == [f"{key}: {new}"]
+    assert differences(one | same, {key: "2"} | same) == [f"{key}: {other}"]
+    assert differences({"b": "1"} | one, {"c": "1"} | one) == [
+        "b: is gone (was 1)", "c: is new (1)",
+    ]  # fmt: skip

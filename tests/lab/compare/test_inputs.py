@@ -194,3 +194,24 @@ def test_beside_a_display_file_all_pictures_are_cut_at_one():
     assert other.error is None
     assert "cut to [0, 1]" in other.remarks[0]
     assert np.array_equal(one.image, shown.image)
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (FileNotFoundError("a"), "there is no such file"),
+        (PermissionError("b"), "no permission to read it"),
+        (OSError("c"), "c"),
+        (ValueError("d"), "d"),
+        (OutputError("is whole"), None),
+    ],
+)
+def test_each_cause_has_its_own_words(tmp_path, monkeypatch, error, message):
+    def failing(*_):
+        raise error
+
+    path = write_image(tmp_path / "a.png", picture())
+    monkeypatch.setattr("alight.lab.compare.inputs.read_texels", failing)
+    with pytest.raises(OutputError) as caught:
+        read_input(path)
+    assert str(caught.value) == (f"cannot read {path}: {message}" if message else str(error))
