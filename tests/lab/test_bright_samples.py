@@ -27,6 +27,7 @@ def tried(monkeypatch, own, other):
     monkeypatch.setattr(trials, "alternatives", lambda scene, cause: {"a=b": "other"})
     arms = {"own": own, "other": other}
     monkeypatch.setattr(trials, "_sums_of", arms.__getitem__)
+    monkeypatch.setattr(trials, "_told_by_lamps", lambda trials, *_: trials)
     ((trial,), _) = try_alternatives("own")
     return trial
 
@@ -82,6 +83,7 @@ def test_what_a_later_trial_has_met_counts_in_the_first(monkeypatch):
         trials, "_sums_of", lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
     )
     monkeypatch.setattr(trials, "_measured", measured)
+    monkeypatch.setattr(trials, "_told_by_lamps", lambda trials, *_: trials)
     tried, _ = try_alternatives("own")
     (first,) = [trial for trial in tried if trial.change == "a"]
     # Nine tenths of the noise are 22 of the 24 sparks.

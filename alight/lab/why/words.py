@@ -90,6 +90,9 @@ def trial_lines(trials: Sequence[Trial], left: Sequence[str]) -> Iterator[str]:
 def _figures(trial: Trial) -> str:
     value, low, high = trial.efficiency
     variance, least, most = trial.variance
+    if trial.bright and trial.helps:
+        few = f"by paths from the lamps: {trial.bright} bright samples carry the noise"
+        return f"efficiency x {trial.at_least:.2g} or more, {few}"
     if trial.bright:
         return f"unknown, as {trial.bright} bright samples carry the noise"
     return (
@@ -129,4 +132,5 @@ def trial_data(trial: Trial) -> dict[str, Any]:
         "corrected_p": trial.p_value,
         "helps": trial.helps,
         "bright_samples": trial.bright,
+        "at_least": None if math.isnan(trial.at_least) else trial.at_least,
     }
