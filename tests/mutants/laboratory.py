@@ -9,8 +9,39 @@ METRICS = "tests/metrics/test_laws_of_metrics.py"
 PROMISES = "tests/known_error/test_laws_of_promises.py"
 SHARES = "tests/known_error/test_laws_of_shares.py"
 BOUNDS = "tests/known_error/test_sample_bound.py"
+RARE = "tests/lab/test_rare_trials.py"
 
 LABORATORY = (
+    Mutant(
+        "paths from both ends joined at what is seen in mirrors",
+        "rendering/rare_light.py",
+        (("return table[turned[", "return table[~turned["),),
+        f"{RARE}::test_what_an_integrator_leaves_to_chance",
+    ),
+    Mutant(
+        "glass that the camera looks through forgotten at the next surface",
+        "rendering/pilot_rays.py",
+        (("turned=on.turned | turns.sharp", "turned=on.turned"),),
+        f"{RARE}::test_a_point_is_turned_where_glass_is_before_it",
+    ),
+    Mutant(
+        "advice by noise that the alternative shows itself",
+        "lab/why/trials.py",
+        (("there = noise + unfound", "there = max(unfound, 1e-9)"),),
+        f"{RARE}::test_other_light_is_none",
+    ),
+    Mutant(
+        "advice by noise that the alternative has as well",
+        "lab/why/trials.py",
+        (("there = noise + unfound", "there = max(noise, 1e-9)"),),
+        f"{RARE}::test_other_light_is_none",
+    ),
+    Mutant(
+        "noise of rare light for a whole batch in place of a sample",
+        "lab/why/rare_trials.py",
+        (("table).noise * spp", "table).noise"),),
+        f"{RARE}::test_noise_of_a_lamps_image_is_that_of_its_formula",
+    ),
     Mutant(
         "a paired ratio with twice its degrees of freedom",
         "lab/statistics/intervals.py",

@@ -90,11 +90,13 @@ def trial_lines(trials: Sequence[Trial], left: Sequence[str]) -> Iterator[str]:
 def _figures(trial: Trial) -> str:
     value, low, high = trial.efficiency
     variance, least, most = trial.variance
-    if trial.bright and trial.helps:
-        few = f"by paths from the lamps: {trial.bright} bright samples carry the noise"
-        return f"efficiency x {trial.at_least:.2g} or more, {few}"
     if trial.bright:
-        return f"unknown, as {trial.bright} bright samples carry the noise"
+        n = trial.bright
+        few = "a bright sample carries" if n == 1 else f"{n} bright samples carry"
+        if trial.helps:
+            worth = f"efficiency x {trial.at_least:.2g} or more by paths from the lamps"
+            return f"{worth}, as {few} the noise"
+        return f"unknown, as {few} the noise"
     return (
         f"variance / {variance:.3g} [{least:.3g}, {most:.3g}], "
         f"efficiency x {value:.3g} [{low:.3g}, {high:.3g}], corrected p = {trial.p_value:.2g}"
