@@ -25,21 +25,21 @@ LABORATORY = (
         f"{RARE}::test_a_point_is_turned_where_glass_is_before_it",
     ),
     Mutant(
-        "advice by noise that the alternative shows itself",
+        "advice in spite of noise that the alternative shows itself",
         "lab/why/trials.py",
-        (("there = noise + unfound", "there = max(unfound, 1e-9)"),),
+        (("rare / (noise + left)", "rare / (1e-9 + left)"),),
         f"{RARE}::test_other_light_is_none",
     ),
     Mutant(
-        "advice by noise that the alternative has as well",
+        "advice by light that the alternative leaves to chance as well",
         "lab/why/trials.py",
-        (("there = noise + unfound", "there = max(noise, 1e-9)"),),
+        (("rare / (noise + left)", "rare / (1e-9 + noise)"),),
         f"{RARE}::test_other_light_is_none",
     ),
     Mutant(
-        "noise of rare light for a whole batch in place of a sample",
+        "rare light as noisy as if every sample met it",
         "lab/why/rare_trials.py",
-        (("table).noise * spp", "table).noise"),),
+        (("(squares.sum(axis=1) / rows[:, -1]).sum()", "squares.sum()"),),
         f"{RARE}::test_noise_of_a_lamps_image_is_that_of_its_formula",
     ),
     Mutant(

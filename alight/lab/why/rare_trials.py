@@ -19,8 +19,9 @@ import numpy as np
 
 from alight.compiled.scene import CompiledScene
 from alight.core.spec import Integrator
+from alight.rendering.pilot_rays import POINTS
 from alight.rendering.rare_light import RareLight
-from alight.rendering.schedules.rare_noise import rare_noise
+from alight.rendering.schedules.unseen import cell_sum
 from alight.rendering.sight import Sight
 from alight.scene import Scene, flatten
 
@@ -30,22 +31,17 @@ CLEAR = 3.0
 
 
 def rare_noises(
-    scene: Scene,
-    compiled: CompiledScene,
-    others: Iterable[Integrator],
-    sums: np.ndarray,
-    spp: int,
+    scene: Scene, compiled: CompiledScene, others: Iterable[Integrator], weights: np.ndarray
 ) -> list[float]:
-    """Variance of one sample by light that is found by chance, in relMSE.
+    """Variance of one sample by light that is found by chance.
 
     Parameters
     ----------
     scene : Scene
         The scene as it is, and `compiled`.
     others : iterable of Integrator
-    sums : ndarray, shape (h, w, R, 3)
-        Of R replicates of the scene as it is, which have `spp` samples a pixel together.
-    spp : int
+    weights : ndarray, shape (h, w, 3)
+        Of squared errors.
 
     Returns
     -------
@@ -53,7 +49,17 @@ def rare_noises(
         Of the scene as it is, and of each of the others.
     """
     rare = RareLight(Sight(flatten(scene), compiled))
-    counts = np.full(sums.shape[:3], spp // sums.shape[2])
-    means = sums / counts[..., None]
+    pixels = weights.shape[0] * weights.shape[1]
+    of_cells = cell_sum(weights) / cell_sum(np.ones_like(weights)) * (pixels / POINTS)
     tables = [rare.everywhere, *map(rare.left_by, others)]
-    return [rare_noise(means, counts, table).noise * spp for table in tables]
+    return [_noise(table, of_cells.reshape(-1, 3)) for table in tables]
+
+
+def _noise(table: np.ndarray | None, weights: np.ndarray) -> float:
+    """Of light m that a sample meets with probability r: m^2 / r, as r is small."""
+    if table is None:
+        return 0.0
+    # What no path finds brings no noise.
+    rows = table[table[:, -1] > 0.0]
+    squares = rows[:, 2:5] ** 2 * weights[rows[:, 1].astype(int)]
+    return float((squares.sum(axis=1) / rows[:, -1]).sum())

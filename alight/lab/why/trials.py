@@ -247,34 +247,26 @@ def try_alternatives(
     ]  # fmt: skip
     if any(trial.bright for trial in trials):
         progress("light that few samples have met")
-        known = [others[trial.change] for trial in trials]
-        trials = _told_by_lamps(trials, noises, scene, own, known, next(seeds))
+        known = [others[trial.change].integrator for trial in trials]
+        rare = rare_noises(_small(scene), own.scene, known, weights)
+        trials = [_told(*one, rare[0]) for one in zip(trials, noises, rare[1:], strict=True)]
     return tuple(sorted(trials, key=lambda trial: -trial.worth)), tuple(left)
 
 
-def _told_by_lamps(
-    trials: list[Trial],
-    noises: list[float],
-    scene: Scene,
-    own: Sums | FilmSums,
-    others: list[Scene],
-    seed: int,
-) -> list[Trial]:
-    """Trials that few samples leave open, by what paths from the lamps know.
+def _told(trial: Trial, noise: float, left: float, rare: float) -> Trial:
+    """A trial that few samples leave open, by what paths from the lamps know.
 
-    `noises` are those of a sample of the alternatives, in relMSE.
+    Parameters
+    ----------
+    trial : Trial
+    noise, left : float
+        Variance of a sample of the alternative, and that by light that it leaves to chance.
+    rare : float
+        Of the scene as it is.
     """
-    spp = SPP * REPLICATES * BATCHES
-    sums = own.of(seed, spp, REPLICATES)
-    integrators = [other.integrator for other in others]
-    rare, *left = rare_noises(_small(scene), own.scene, integrators, sums, spp)
-    found = []
-    for trial, noise, unfound in zip(trials, noises, left, strict=True):
-        there = noise + unfound
-        if trial.bright and there > 0.0:
-            trial = replace(trial, at_least=rare / there * trial.time.value)
-        found.append(trial)
-    return found
+    if not trial.bright or noise + left <= 0.0:
+        return trial
+    return replace(trial, at_least=rare / (noise + left) * trial.time.value)
 
 
 class FilmSums:
