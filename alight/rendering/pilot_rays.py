@@ -176,6 +176,8 @@ class Seen(NamedTuple):
     times : (n,) float32
     reached : (n,) float64
         Probability that media let a path come so far.
+    turned : (n,) bool
+        Whether a mirror, or glass, is on the way.
     """
 
     point: np.ndarray
@@ -186,6 +188,7 @@ class Seen(NamedTuple):
     weight: np.ndarray
     times: np.ndarray
     reached: np.ndarray
+    turned: np.ndarray
 
     def some(self, rows: np.ndarray) -> Seen:
         """These rows, or those of a mask."""
@@ -248,6 +251,7 @@ def seen_points(pilot: Pilot) -> tuple[Seen, Collided]:
         weight=np.ones((POINTS, 3)),
         times=times,
         reached=np.ones(POINTS),
+        turned=np.zeros(POINTS, bool),
     )
     found, medium = [], medium_of_camera(pilot, POINTS)
     # Random numbers of their own: surfaces are the same as without media.
@@ -266,7 +270,9 @@ def seen_points(pilot: Pilot) -> tuple[Seen, Collided]:
         found.append(on.some(~passed))
         o = pilot.leave(surface, turns.d)
         medium = beyond(pilot, surface, turns.d, medium, on.times)[passed]
-        on = on._replace(o=o, d=turns.d, weight=on.weight * turns.weight).some(passed)
+        on = on._replace(
+            o=o, d=turns.d, weight=on.weight * turns.weight, turned=on.turned | turns.sharp
+        ).some(passed)
         on = on._replace(hit=pilot.hits(on.o, on.d, on.times))
         collided.append(_collided(aside, on, medium))
     return joined(found) if found else on, joined(collided)

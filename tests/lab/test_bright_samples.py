@@ -11,6 +11,9 @@ from alight.lab.why.bright_samples import FEW, Squares, decided, squares_of
 from alight.lab.why.trials import BATCHES, LEVEL, try_alternatives
 from alight.lab.why.words import trial_lines
 
+#: The alternative.
+OTHER = SimpleNamespace(integrator=None)
+
 
 def spiky(rng, rate):
     """Renders pictures of even noise, a sample in `rate` of which is a million times as bright."""
@@ -20,13 +23,23 @@ def spiky(rng, rate):
         sparks = rng.poisson(spp / replicates * rate, (8, 8, replicates, 1))
         return np.abs(sums) + 1e6 * sparks
 
-    return SimpleNamespace(of=of)
+    return SimpleNamespace(of=of, scene=None)
+
+
+def zero(_):
+    return 0.0
+
+
+def knows_nothing(monkeypatch):
+    """Paths from the lamps have found no rare light."""
+    monkeypatch.setattr(trials, "_small", lambda scene: scene)
+    monkeypatch.setattr(trials, "rare_noises", lambda _, own, others, __: [0.0, *map(zero, others)])
 
 
 def tried(monkeypatch, own, other):
-    monkeypatch.setattr(trials, "alternatives", lambda scene, cause: {"a=b": "other"})
-    arms = {"own": own, "other": other}
-    monkeypatch.setattr(trials, "_sums_of", arms.__getitem__)
+    monkeypatch.setattr(trials, "alternatives", lambda scene, cause: {"a=b": OTHER})
+    monkeypatch.setattr(trials, "_sums_of", lambda scene: other if scene is OTHER else own)
+    knows_nothing(monkeypatch)
     ((trial,), _) = try_alternatives("own")
     return trial
 
@@ -77,11 +90,14 @@ def test_what_a_later_trial_has_met_counts_in_the_first(monkeypatch):
     def measured(arms, weights, seeds):
         return [(few, few), (many, few)], [next(own), next(other)]
 
-    monkeypatch.setattr(trials, "alternatives", lambda scene, cause: dict.fromkeys("ab"))
+    monkeypatch.setattr(trials, "alternatives", lambda scene, cause: dict.fromkeys("ab", OTHER))
     monkeypatch.setattr(
-        trials, "_sums_of", lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
+        trials,
+        "_sums_of",
+        lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)), scene=None),
     )
     monkeypatch.setattr(trials, "_measured", measured)
+    knows_nothing(monkeypatch)
     tried, _ = try_alternatives("own")
     (first,) = [trial for trial in tried if trial.change == "a"]
     # Nine tenths of the noise are 22 of the 24 sparks.

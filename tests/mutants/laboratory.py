@@ -9,8 +9,39 @@ METRICS = "tests/metrics/test_laws_of_metrics.py"
 PROMISES = "tests/known_error/test_laws_of_promises.py"
 SHARES = "tests/known_error/test_laws_of_shares.py"
 BOUNDS = "tests/known_error/test_sample_bound.py"
+RARE = "tests/lab/test_rare_trials.py"
 
 LABORATORY = (
+    Mutant(
+        "paths from both ends joined at what is seen in mirrors",
+        "rendering/rare_light.py",
+        (("return table[turned[", "return table[~turned["),),
+        f"{RARE}::test_what_an_integrator_leaves_to_chance",
+    ),
+    Mutant(
+        "glass that the camera looks through forgotten at the next surface",
+        "rendering/pilot_rays.py",
+        (("turned=on.turned | turns.sharp", "turned=on.turned"),),
+        f"{RARE}::test_a_point_is_turned_where_glass_is_before_it",
+    ),
+    Mutant(
+        "advice in spite of noise that the alternative shows itself",
+        "lab/why/trials.py",
+        (("rare / (noise + left)", "rare / (1e-9 + left)"),),
+        f"{RARE}::test_other_light_is_none",
+    ),
+    Mutant(
+        "advice by light that the alternative leaves to chance as well",
+        "lab/why/trials.py",
+        (("rare / (noise + left)", "rare / (1e-9 + noise)"),),
+        f"{RARE}::test_other_light_is_none",
+    ),
+    Mutant(
+        "rare light as noisy as if every sample met it",
+        "lab/why/rare_trials.py",
+        (("(squares.sum(axis=1) / rows[:, -1]).sum()", "squares.sum()"),),
+        f"{RARE}::test_noise_of_a_lamps_image_is_that_of_its_formula",
+    ),
     Mutant(
         "a paired ratio with twice its degrees of freedom",
         "lab/statistics/intervals.py",

@@ -4,14 +4,16 @@ Every choice that the scene's integrator and its environment have is tried by it
 scene's own sampler, and so are paths from both ends where light comes by detours: the variance of a
 picture at equal samples, the processor time of its samples, and the efficiency, 1 / (variance x
 time), over that of the scene as it is. Batches of replicates are independent, so the jackknife over
-them gives an interval of the ratio (`alight.lab.statistics.intervals`).
+them gives an interval of the ratio (`alight.lab.statistics.intervals`). Where few bright samples
+leave it open, paths from the lamps may tell (`alight.lab.why.rare_trials`).
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
@@ -28,6 +30,7 @@ from alight.integrators.walk import make_settings
 from alight.lab.replicates.measure import add_tiles, film_for, ranges_of
 from alight.lab.statistics.intervals import Ratio, Statistic, holm_adjusted, log_mean, log_ratio
 from alight.lab.why.bright_samples import Squares, decided, squares_of
+from alight.lab.why.rare_trials import CLEAR, rare_noises
 from alight.lab.why.shares import TECHNIQUES, Part, relative_weights
 from alight.laws.scene.pictures import Sums, small
 from alight.lights.sampling import has_delta_lights
@@ -63,6 +66,9 @@ class Trial:
     bright : int
         Samples that carry the noise of both, where they are too few to tell; else 0. The intervals
         do not know of those that were not met.
+    at_least : float
+        Efficiency by what paths from the lamps know of such light, where samples are too few; NaN
+        elsewhere.
     """
 
     change: str
@@ -71,11 +77,17 @@ class Trial:
     efficiency: Estimate
     p_value: float
     bright: int = 0
+    at_least: float = math.nan
 
     @property
     def helps(self) -> bool:
-        """Whether it was measured to be better."""
-        return self.efficiency.value > 1.0 and self.p_value < LEVEL
+        """Whether it was measured to be better, or paths from the lamps tell."""
+        return (self.efficiency.value > 1.0 and self.p_value < LEVEL) or self.at_least >= CLEAR
+
+    @property
+    def worth(self) -> float:
+        """The efficiency that is known best."""
+        return self.efficiency.value if math.isnan(self.at_least) else self.at_least
 
 
 #: The choice that is one of the others, by itself.
@@ -204,13 +216,16 @@ def try_alternatives(
     found: list[tuple[str, Ratio, Ratio, Ratio, list[Squares]]] = []
     left = []
     met: list[Squares] = []
-    for change, other in alternatives(scene, cause).items():
+    noises: list[float] = []
+    others = alternatives(scene, cause)
+    for change, other in others.items():
         if time.perf_counter() - begin > limit:
             left.append(change)
             continue
         progress(change)
         (here, there), (of_own, of_other) = _measured((own, _sums_of(other)), weights, seeds)
         met += of_own
+        noises.append(SPP * math.exp(there[0].value))
         variance = log_ratio(here[0], there[0])
         # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
@@ -230,7 +245,28 @@ def try_alternatives(
             found, doubts, p_values, strict=True
         )
     ]  # fmt: skip
-    return tuple(sorted(trials, key=lambda trial: -trial.efficiency.value)), tuple(left)
+    if any(trial.bright for trial in trials):
+        progress("light that few samples have met")
+        known = [others[trial.change].integrator for trial in trials]
+        rare = rare_noises(_small(scene), own.scene, known, weights)
+        trials = [_told(*one, rare[0]) for one in zip(trials, noises, rare[1:], strict=True)]
+    return tuple(sorted(trials, key=lambda trial: -trial.worth)), tuple(left)
+
+
+def _told(trial: Trial, noise: float, left: float, rare: float) -> Trial:
+    """A trial that few samples leave open, by what paths from the lamps know.
+
+    Parameters
+    ----------
+    trial : Trial
+    noise, left : float
+        Variance of a sample of the alternative, and that by light that it leaves to chance.
+    rare : float
+        Of the scene as it is.
+    """
+    if not trial.bright or noise + left <= 0.0:
+        return trial
+    return replace(trial, at_least=rare / (noise + left) * trial.time.value)
 
 
 class FilmSums:
@@ -254,10 +290,14 @@ def _sums_of(scene: Scene) -> Sums | FilmSums:
     return FilmSums(arm) if scene.integrator.splats else Sums(arm)
 
 
-def _arm(scene: Scene) -> CompiledScene:
+def _small(scene: Scene) -> Scene:
     """The scene as a small picture, with its own sampler."""
     made = small(scene, size=SIZE).replaced(sampler=scene.sampler)
-    return compile_scene(flatten(made.from_source(scene.source)))
+    return made.from_source(scene.source)
+
+
+def _arm(scene: Scene) -> CompiledScene:
+    return compile_scene(flatten(_small(scene)))
 
 
 def _measured(

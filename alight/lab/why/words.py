@@ -91,7 +91,12 @@ def _figures(trial: Trial) -> str:
     value, low, high = trial.efficiency
     variance, least, most = trial.variance
     if trial.bright:
-        return f"unknown, as {trial.bright} bright samples carry the noise"
+        n = trial.bright
+        few = "a bright sample carries" if n == 1 else f"{n} bright samples carry"
+        if trial.helps:
+            worth = f"efficiency x {trial.at_least:.2g} or more by paths from the lamps"
+            return f"{worth}, as {few} the noise"
+        return f"unknown, as {few} the noise"
     return (
         f"variance / {variance:.3g} [{least:.3g}, {most:.3g}], "
         f"efficiency x {value:.3g} [{low:.3g}, {high:.3g}], corrected p = {trial.p_value:.2g}"
@@ -129,4 +134,5 @@ def trial_data(trial: Trial) -> dict[str, Any]:
         "corrected_p": trial.p_value,
         "helps": trial.helps,
         "bright_samples": trial.bright,
+        "at_least": None if math.isnan(trial.at_least) else trial.at_least,
     }
