@@ -325,13 +325,15 @@ def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--faults", type=int, default=16)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--folder", type=Path, required=True)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     # What was started ends with it.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    print(json.dumps(run(given.folder.resolve(), lambda kinds: range(given.faults), given.seed)))
+    numbers = range(given.first, given.first + given.faults)
+    print(json.dumps(run(given.folder.resolve(), lambda kinds: numbers, given.seed)))
 
 
 if __name__ == "__main__":
