@@ -251,7 +251,14 @@ def test_pods_of_the_manifest_speak_tls_with_the_keys_of_the_secret():
         assert {option for option, _, _ in given} == {"--tls-ca-file", "--tls-cert", "--tls-key"}
         assert {value for _, _, value in given} == paths
         assert "--dashboard-address=127.0.0.1:0" in container["args"]
-    port = spec["scheduler"]["service"]["ports"][0]["port"]
+    # The schema of the operator has texts where Kubernetes takes numbers, too.
+    [container], [port] = (
+        spec["scheduler"]["spec"]["containers"],
+        spec["scheduler"]["service"]["ports"],
+    )
+    [own] = container["ports"]
+    assert container["readinessProbe"]["tcpSocket"]["port"] == port["targetPort"] == own["name"]
+    port = port["port"]
     assert f"tls://{name}-scheduler:{port}" in spec["worker"]["spec"]["containers"][0]["args"]
     assert "--protocol=tls" in spec["scheduler"]["spec"]["containers"][0]["args"]
     page = (ROOT / "docs" / "many-machines.md").read_text(encoding="utf-8")
