@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from urllib.error import HTTPError
 from urllib.request import ProxyHandler, build_opener
 
-from alight.cluster.dispatch import Patience
+from alight.cluster.issues import Patience
 from alight.cluster.worker import machine_here, state_here
 from lanewise.machine import NATIVE, differing
 
