@@ -6,7 +6,8 @@ import os
 import re
 import socket
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,8 +61,14 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
     if not isinstance(where, str):
         if not hasattr(where, "scheduler_info"):
             raise OptionError("must be an address or a client of Dask distributed", "cluster")
+        if keys is not None:
+            text = "a client of Dask has its keys: leave out {cluster_keys}"
+            raise OptionError(text, names=("cluster_keys",))
         return
     if processes_of(where):
+        if keys is not None:
+            text = "local:N makes its own keys: leave out {cluster_keys}"
+            raise OptionError(text, "cluster", names=("cluster_keys",))
         return
     if is_cluster_file(where):
         file = read_cluster_file(where, keys)
@@ -72,7 +79,7 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
         forms = "tls://HOST:PORT or tcp://127.0.0.1:PORT"
     else:
         name, forms = "", "local:N, tls://HOST:PORT, tcp://127.0.0.1:PORT or FILE.yaml"
-    found = re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[^:/\[\]]+):(\d{1,5})", where)
+    found = re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[^:/\[\]]+):([0-9]{1,5})", where)
     if found is None:
         raise OptionError(f'{name}must be {forms}, got "{where}"', "cluster")
     try:
@@ -89,8 +96,8 @@ def check_address(where: Any, keys: str | os.PathLike[str] | None = None) -> Non
         raise OptionError(text, "cluster", names=("cluster_keys",))
     if found[1] == "tcp" and not _is_this_machine(found[2]):
         raise OptionError(
-            "tcp:// is neither encrypted nor closed to strangers, and only for this machine: use "
-            "tls:// and {cluster_keys}",
+            f"{name}tcp:// is neither encrypted nor closed to strangers, and only for this "
+            "machine: use tls:// and {cluster_keys}",
             "cluster", names=("cluster_keys",),
         )  # fmt: skip
     if found[1] == "tls" and keys is None:
@@ -122,14 +129,18 @@ def processes_of(where: str) -> int:
     """
     if not where.startswith("local:"):
         return 0
-    found = re.fullmatch(r"local:(\d{1,4})", where)
+    found = re.fullmatch(r"local:([0-9]{1,4})", where)
     if found is None or not 1 <= int(found[1]) <= _MOST:
         raise OptionError(f'local:N needs N in [1, {_MOST}], got "{where}"', "cluster")
     return int(found[1])
 
 
 def _is_this_machine(host: str) -> bool:
-    return host in ("localhost", "[::1]") or re.fullmatch(r"127(\.\d{1,3}){3}", host) is not None
+    if host == "localhost":
+        return True
+    with suppress(ValueError):
+        return ip_address(host.strip("[]")).is_loopback
+    return False
 
 
 @contextmanager

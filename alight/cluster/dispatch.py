@@ -24,10 +24,19 @@ from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from alight.cluster.worker import Answer, Asked, Refusal, Shared, machine_here, perform
+from alight.cluster.issues import Arrived, Issue, Patience
+from alight.cluster.worker import (
+    Answer,
+    Asked,
+    Lack,
+    Refusal,
+    Shared,
+    machine_here,
+    perform,
+    receive,
+)
 from alight.core.errors import AlightError
 from lanewise.machine import describe_machine, differing, fingerprint, target
 
@@ -50,48 +59,6 @@ _LOOK, _TICK = 1.0, 0.1
 
 #: Threads that fetch and check answers.
 _FETCHERS = 4
-
-
-@dataclass(frozen=True)
-class Patience:
-    """Seconds after which something is taken for lost.
-
-    Attributes
-    ----------
-    task : float
-        A task whose answer is missing, at least; at most `times` what tasks take.
-    times : float
-    fetch : float
-        An answer that its worker does not deliver.
-    cluster : float
-        A scheduler that does not answer, or has no workers.
-    """
-
-    task: float = 15.0
-    times: float = 4.0
-    fetch: float = 15.0
-    cluster: float = 60.0
-
-
-@dataclass
-class _Issue:
-    """A task that is on its way."""
-
-    number: int
-    task: Any
-    since: float = 0.0
-    failures: int = 0
-    futures: list[Future] = field(default_factory=list)
-
-
-class _Arrived(NamedTuple):
-    """What has come of one copy of a task: an answer and its checked value, or an error."""
-
-    number: int
-    future: Future
-    answer: Any
-    value: Any
-    error: BaseException | None
 
 
 class Dispatcher:
@@ -133,11 +100,12 @@ class Dispatcher:
         self.counts: Counter[str] = Counter(shared_bytes=len(self._shared.data))
         self.workers: dict[str, Counter[str]] = {}
         self.refused: dict[str, str] = {}
+        self._lacking: set[str] = set()
         self._threads: dict[str, int] = {}
         self._numbers, self._latency, self._shares = itertools.count(), 0.0, False
         self._answers: queue.SimpleQueue = queue.SimpleQueue()
         self._looked, self._seen = -_LOOK, time.perf_counter()
-        self._issues: dict[int, _Issue] = {}
+        self._issues: dict[int, Issue] = {}
         self._fetchers = ThreadPoolExecutor(_FETCHERS)
 
     def open(self) -> None:
@@ -155,13 +123,13 @@ class Dispatcher:
             raise AlightError("the cluster has no workers")
         self._probe()
         self._shares = True
-        # A worker that does not answer gets it when it does, or its tasks are issued again.
+        # One that is out of reach is brought it when it is given a task.
         try:
             self._client.sync(
                 self._client._register_worker_plugin, plugin=self._shared,
                 name=self._shared.name, idempotent=True, callback_timeout=self._patience.cluster,
             )  # fmt: skip
-        except TimeoutError:
+        except OSError:
             pass
         except Exception as error:
             # That of a worker which is refused; the others have it.
@@ -234,7 +202,7 @@ class Dispatcher:
                     return [issue.task for issue in issues.values()]
                 while len(issues) < AHEAD * self.threads and (task := draw()) is not None:
                     number = next(self._numbers)
-                    issues[number] = _Issue(number, task)
+                    issues[number] = Issue(number, task)
                     self._submit(issues[number])
                 if not issues and self.threads:
                     return []
@@ -279,13 +247,31 @@ class Dispatcher:
 
     def _refused(self, worker: str, why: str) -> None:
         if worker not in self.refused:
-            self.refused[worker] = why
+            # Others may be looking at it.
+            self.refused = {**self.refused, worker: why}
             _LOG.warning("the worker %s is refused: %s", worker, why)
+
+    def _lacks(self, worker: str) -> None:
+        if worker not in self._lacking:
+            self._lacking.add(worker)
+            self._fetchers.submit(self._bring, worker)
+
+    def _bring(self, worker: str) -> None:
+        """Give one worker what tasks share; it gets no tasks meanwhile."""
+        try:
+            self._client.sync(
+                self._client._run, receive, self._shared, workers=[worker],
+                callback_timeout=self._patience.cluster,
+            )  # fmt: skip
+        except Exception as error:
+            self._refused(worker, f"it does not take the scene: {error!r}")
+        finally:
+            self._lacking.discard(worker)
 
     # ------------------------------------------------------------------------ tasks
 
-    def _submit(self, issue: _Issue, without: frozenset[str] = frozenset()) -> None:
-        unwanted = without | self.refused.keys()
+    def _submit(self, issue: Issue, without: frozenset[str] = frozenset()) -> None:
+        unwanted = without | self.refused.keys() | self._lacking
         allowed = [worker for worker in self._threads if worker not in unwanted]
         if (unwanted and not allowed) or self._client.status != "running":
             return  # It is late from now on, or the cluster is lost.
@@ -312,11 +298,11 @@ class Dispatcher:
             answer = future.result(timeout=self._patience.fetch)
             if isinstance(answer, Answer):
                 value = self._check(task, answer.value)
-            elif not isinstance(answer, Refusal):
+            elif not isinstance(answer, Refusal | Lack):
                 raise TypeError(f"a worker answered with {type(answer).__name__}")
         except BaseException as raised:
             error = raised
-        self._answers.put(_Arrived(number, future, answer, value, error))
+        self._answers.put(Arrived(number, future, answer, value, error))
 
     def _collect(self, take: Callable[[Any, Any, float], None]) -> None:
         """Wait a moment for an answer, and take all that are there."""
@@ -326,7 +312,7 @@ class Dispatcher:
                 self._arrived(arrived, take)
                 arrived = self._answers.get_nowait()
 
-    def _arrived(self, arrived: _Arrived, take: Callable[[Any, Any, float], None]) -> None:
+    def _arrived(self, arrived: Arrived, take: Callable[[Any, Any, float], None]) -> None:
         number, future, answer, value, error = arrived
         issue = self._issues.get(number)
         if issue is None or future not in issue.futures:
@@ -339,6 +325,9 @@ class Dispatcher:
         elif isinstance(answer, Refusal):
             self._refuse(answer)
             self._submit(issue)
+        elif isinstance(answer, Lack):
+            self._lacks(answer.worker)
+            self._submit(issue)
         else:
             latency = time.perf_counter() - issue.since
             self._latency = max(latency, 0.9 * self._latency)
@@ -346,7 +335,7 @@ class Dispatcher:
             of_worker.update(tasks=1, seconds=answer.seconds)
             self._finish(number, issue, value, answer.seconds, take)
 
-    def _failed(self, number: int, issue: _Issue, error: BaseException, take: Any) -> None:
+    def _failed(self, number: int, issue: Issue, error: BaseException, take: Any) -> None:
         from distributed import KilledWorker
 
         if self._client.status != "running":
@@ -365,7 +354,7 @@ class Dispatcher:
         value = self._check(issue.task, self._function(self._thing, issue.task))
         self._finish(number, issue, value, time.perf_counter() - begin, take)
 
-    def _finish(self, number: int, issue: _Issue, value: Any, seconds: float, take: Any) -> None:
+    def _finish(self, number: int, issue: Issue, value: Any, seconds: float, take: Any) -> None:
         self.counts["tasks"] += 1
         self._forget(number)
         take(issue.task, value, seconds)

@@ -42,7 +42,7 @@ def start_fork_server(where: Any, module: str) -> None:
     module : str
         One of `RENDERS` and `STUDIES`.
     """
-    is_local = isinstance(where, str) and re.fullmatch(r"local:[1-9]\d{0,3}", where)
+    is_local = isinstance(where, str) and re.fullmatch(r"local:[1-9][0-9]{0,3}", where)
     if not is_local or not can_fork() or find_spec("distributed") is None:
         return
     from multiprocessing import forkserver, resource_tracker

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
+from http import HTTPStatus
+from http.client import HTTPException
 from typing import Any, NamedTuple
+from urllib.error import HTTPError
+from urllib.request import ProxyHandler, build_opener
 
-from alight.cluster.dispatch import Patience
+from alight.cluster.issues import Patience
 from alight.cluster.worker import machine_here, state_here
 from lanewise.machine import NATIVE, differing
 
 #: Seconds to wait for one worker's answer, as renders do, and how many are queried at a time.
 _WAIT, _AT_A_TIME = Patience.fetch, 16
+
+#: Seconds to wait for a page of the scheduler.
+_PAGE = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,10 +86,23 @@ def losses_of(client: Any) -> Losses:
 
 
 def dashboard_of(client: Any) -> str | None:
-    """Address of Dask's pages about the cluster, if it has any."""
+    """Address of Dask's pages about the cluster, if it has any.
+
+    A scheduler without a dashboard has a web server all the same. One that cannot be reached from
+    here may be reached through a tunnel.
+    """
     if "dashboard" not in client.scheduler_info(n_workers=0).get("services", {}):
         return None
-    return client.dashboard_link
+    link: str = client.dashboard_link
+    # Not through a proxy.
+    pages = build_opener(ProxyHandler({}))
+    with suppress(OSError, HTTPException):
+        try:
+            pages.open(link, timeout=_PAGE).close()
+        except HTTPError as error:
+            error.close()
+            return None if error.code == HTTPStatus.NOT_FOUND else link
+    return link
 
 
 def workers_of(client: Any, target: str = NATIVE) -> list[WorkerStatus]:

@@ -66,6 +66,18 @@ class Refusal(NamedTuple):
     machine: dict[str, str]
 
 
+class Lack(NamedTuple):
+    """A worker has not been given what the task shares with others.
+
+    Attributes
+    ----------
+    worker : str
+        Its address.
+    """
+
+    worker: str
+
+
 class SharedName(NamedTuple):
     """How a task calls what it shares with others; see `Shared`."""
 
@@ -110,6 +122,12 @@ class Shared(WorkerPlugin):
         forget(self._folder, self.digest)
 
 
+async def receive(shared: Shared, dask_worker: Any) -> None:
+    """Take what did not reach this worker when the others were given it."""
+    if shared.name not in dask_worker.plugins:
+        await dask_worker.plugin_add(plugin=shared, name=shared.name)
+
+
 class Asked(NamedTuple):
     """What the bits of answers are promised for.
 
@@ -137,7 +155,7 @@ def state_here(target: str) -> tuple[dict[str, str], str, float]:
 
 def perform(
     function: Callable[[Any, Any], Any], shared: SharedName, asked: Asked, task: Any
-) -> Answer | Refusal:
+) -> Answer | Refusal | Lack:
     """Run a task: `function` of the shared object and the task.
 
     Parameters
@@ -151,6 +169,8 @@ def perform(
     address = get_worker().address
     if fingerprint(asked.target) != asked.fingerprint:
         return Refusal(address, machine_here(asked.target))
+    if shared.name not in get_worker().plugins:
+        return Lack(address)
     thing, begin = _thing(shared), time.perf_counter()
     value = function(thing, task)
     _finished.append((time.monotonic(), getattr(task, "samples", 0.0)))

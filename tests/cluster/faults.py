@@ -2,19 +2,22 @@
 
     python -m tests.cluster.faults --faults 100 --folder /tmp/faults
 
-A scheduler and two workers with nannies, behind TLS, stay from trial to trial; each render is a
-process with a checkpoint that is written without a pause. At a moment drawn uniformly from what is
-left of such a render when its first samples are there, one of `FAULTS` happens, or where the
-rights of root let one worker be in a network namespace, one of `CUTS`: before, a scheduler
-that does not answer is an error. Whatever is gone is started again for the next
-trial; a client that was killed goes on from its checkpoint. The last line is JSON: what happened,
-how many films differ from that of one process, and the longest delay over a render without fault.
+It goes on where it was interrupted if the folder is the same. A scheduler and two workers with
+nannies, behind TLS, stay from trial to trial; each render is a process with a checkpoint that is
+written without a pause. At a moment drawn uniformly from what is left of such a render when its
+first samples are there, one of `FAULTS` happens, or where the rights of root let one worker be in a
+network namespace, one of `CUTS`: before, a scheduler that does not answer is an error. Whatever is
+gone is started again for the next trial; a client that was killed goes on from its checkpoint.
+Whether one hangs is told by what comes of it, see `tests.cluster.progress`. The last line is JSON:
+what happened, which films differ from that of one process, the longest delay over a render without
+fault, and the longest time in which nothing came though the processors were free.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import os
 import random
 import signal
@@ -30,31 +33,11 @@ from typing import Any
 import numpy as np
 
 import alight
-from alight.cluster import dispatch
-from alight.cluster.dispatch import Patience
 from alight.cluster.keys import CERTIFICATE, KEY, make_keys
 from alight.films import Film
-from alight.rendering.executors import cluster_executor, light_tasks
+from tests.cluster.campaign_client import PATIENCE, RENDERS, client, render
 from tests.cluster.cut_network import Namespace, namespace_here
-
-#: Seconds that a client waits for what is lost, in the campaign.
-PATIENCE = Patience(task=3.0, times=4.0, fetch=3.0, cluster=12.0)
-
-SIZE = {"size": (72, 40), "crop": (3, 2, 60, 37), "threads": 1}
-
-#: What is rendered, in turn: a scene, changes to it, and options.
-RENDERS: dict[str, tuple[str, list[str], dict]] = {
-    "a box": ("cornell-box", [], {"spp": 2000, "aovs": "depth"}),
-    "paths from both ends": ("cornell-box", ["integrator.type=bidirectional"], {"spp": 500}),
-    "a guide": ("matt-room", ["integrator.guiding=camera"], {"spp": 800}),
-    "chains": ("lamp-and-glass", ["integrator.caustics=manifold"], {"spp": 500}),
-    "a spectrum": (
-        "lamp-and-glass",
-        ["nodes.glass-ball.bsdf={type: dielectric, dispersion: 30}"],
-        {"spp": 1500, "aovs": "albedo_through"},
-    ),
-    "light paths": ("mirror-and-glass", ["integrator.type=light"], {"spp": 800}),
-}
+from tests.cluster.progress import Hang, Watch
 
 FAULTS = (
     "kill worker", "stop worker", "kill nanny", "stop nanny", "kill scheduler", "stop scheduler",
@@ -64,9 +47,6 @@ FAULTS = (
 #: Where one of the workers can be in a network of its own: for good, and for a while.
 CUTS = ("cut worker", "cut worker briefly")
 
-#: Seconds after which a render hangs.
-HANGS = 180.0
-
 
 class Damaged:
     """The processes of a cluster, started again when they are gone."""
@@ -74,12 +54,13 @@ class Damaged:
     def __init__(self, folder: Path, network: Namespace | None) -> None:
         self.folder, self.port, self.network = folder, _free_port(), network
         self.keys = folder / "keys"
-        make_keys(self.keys)
+        if not self.keys.exists():
+            make_keys(self.keys)
         self.host = network.here if network else "127.0.0.1"
         self.address = f"tls://{self.host}:{self.port}"
         self.scheduler: subprocess.Popen | None = None
         self.nannies: list[subprocess.Popen] = []
-        self.log = (folder / "cluster.log").open("wb")
+        self.log = (folder / "cluster.log").open("ab")
 
     def _start(self, *words: str, network: Namespace | None = None) -> subprocess.Popen:
         certificate, key = str(self.keys / CERTIFICATE), str(self.keys / KEY)
@@ -88,7 +69,7 @@ class Damaged:
             [*(network.words if network else ()), sys.executable, "-m", "dask", *words,
              "--host", network.there if network else self.host, *tls],
             stdout=self.log, stderr=self.log, cwd=self.folder,
-            env={**os.environ, "PYTHONPATH": str(Path.cwd())},
+            env={**os.environ, "PYTHONPATH": str(Path.cwd())}, start_new_session=True,
         )  # fmt: skip
 
     def repair(self) -> None:
@@ -130,6 +111,11 @@ class Damaged:
                 found += [int(pid) for pid in children.read_text().split() if _renders(int(pid))]
         return found
 
+    def pids(self) -> list[int]:
+        """Processes of the cluster."""
+        started = [*self.nannies, *([self.scheduler] if self.scheduler else [])]
+        return [process.pid for process in started] + self.workers()
+
     def end(self) -> None:
         """Kill everything."""
         for process in (*self.nannies, *([self.scheduler] if self.scheduler else [])):
@@ -154,48 +140,40 @@ def _free_port() -> int:
         return one.getsockname()[1]
 
 
+def _samples(path: Path) -> float:
+    """Per pixel, in a checkpoint; 0 before the first."""
+    return Film.load(path).spp if path.exists() else 0.0
+
+
 def _signal(pid: int, number: int) -> None:
     with suppress(ProcessLookupError):
         os.kill(pid, number)
 
 
-def render(name: str, **where: Any) -> Film:
-    """One of `RENDERS`."""
-    scene, changes, words = RENDERS[name]
-    return alight.render(alight.load(scene, changes), **SIZE, **words, **where)
-
-
-def client(address: str, keys: str, path: str, name: str) -> None:
-    """What the process of a client does: begin, or go on."""
-    # A render of seconds has many tasks only if they are short.
-    cluster_executor.LONGEST, cluster_executor.SHORTEST = 0.2, 0.05
-    light_tasks.LONGEST = 0.2
-    dispatch.Patience = lambda: PATIENCE  # type: ignore[assignment,misc]
-    where = {"cluster": address, "cluster_keys": keys, "every": 0.0}
-    if Path(path).exists():
-        alight.resume(path, **where, threads=1)
-    else:
-        render(name, checkpoint=path, **where)
-
-
 class Campaign:
-    """Trials of one folder."""
+    """Trials of one folder, which knows those that were there before."""
 
     def __init__(self, folder: Path, seed: int) -> None:
         self.network = namespace_here()
         self.faults = FAULTS + (CUTS if self.network else ())
-        self.cluster, self.folder = Damaged(folder, self.network), folder
-        self.random = random.Random(seed)
+        self.cluster, self.folder, self.seed = Damaged(folder, self.network), folder, seed
+        self.random = random.Random()
+        # Clients have imported what they need before they begin.
+        self._forks = multiprocessing.get_context("forkserver")
+        self._forks.set_forkserver_preload(["distributed", client.__module__])
         self.whole: dict[str, Film] = {}
         self.lengths: dict[str, float] = {}
-        self.told: Counter[str] = Counter()
-        self.differing: list[str] = []
-        self.delays: dict[str, float] = {}
+        #: By number: fault, delay, seconds without a result, and what is wrong, if anything is.
+        self.trials: dict[str, dict[str, Any]] = {}
+        self._kept = folder / "trials.json"
+        if self._kept.exists():
+            self.lengths, self.trials = json.loads(self._kept.read_text())
 
     def length(self, name: str) -> float:
         """Seconds of a render without a fault."""
-        if name not in self.lengths:
+        if name not in self.whole:
             self.whole[name] = render(name)
+        if name not in self.lengths:
             self.cluster.repair()
             # The first one warms the workers up. A film that one scene left is no other's.
             names = [f"none-{len(self.lengths)}-{n}" for n in range(2)]
@@ -203,58 +181,84 @@ class Campaign:
         return self.lengths[name]
 
     def trial(self, number: int) -> None:
-        """One render, and one fault."""
+        """One render, and one fault, unless it was there."""
+        if f"{number}" in self.trials:
+            return
         fault = self.faults[number % len(self.faults)]
         # Ten faults and six scenes: sixty trials are all pairs.
         name = list(RENDERS)[(number + number // 30) % len(RENDERS)]
         length = self.length(name)
         self.cluster.repair()
+        self.random.seed(f"{self.seed} {number}")
         took = self._trial(f"{number}", fault, name)
-        self.told[fault] += 1
-        self.delays[fault] = max(self.delays.get(fault, 0.0), took - length)
-        print(f"{number}: {name}, {fault}, {took:.1f} s, {len(self.differing)} differ", flush=True)
+        self.trials[f"{number}"] |= {"fault": fault, "delay": took - length}
+        self._keep()
+        wrong = ", ".join(self.differing) or "none differs"
+        print(f"{number}: {name}, {fault}, {took:.1f} s, {wrong}", flush=True)
+
+    def _keep(self) -> None:
+        temporary = self._kept.with_suffix(".new")
+        temporary.write_text(json.dumps([self.lengths, self.trials]))
+        temporary.replace(self._kept)
+
+    @property
+    def differing(self) -> list[str]:
+        """What is wrong, trial by trial."""
+        return [trial["wrong"] for trial in self.trials.values() if trial["wrong"]]
 
     def _trial(self, number: str, fault: str | None, name: str) -> float:
         path, begin = self.folder / f"{number}.alight", time.perf_counter()
-        process = self._client(path, name)
-        stopped: list[int] = []
-        if fault is not None:
-            while process.poll() is None and not (path.exists() and Film.load(path).spp > 0.0):
-                time.sleep(0.05)
-            left = self.length(name) - (time.perf_counter() - begin)
-            time.sleep(self.random.uniform(0.0, max(left, 0.0)))
-            process, stopped = self._happen(fault, process, lambda: self._client(path, name))
+        path.unlink(missing_ok=True)
+        process, stopped = self._client(path, name), list[int]()
+        watch = Watch(lambda: _samples(path), lambda: [process.pid, *self.cluster.pids()])
+        wrong = ""
         try:
-            process.wait(HANGS)
-            took = time.perf_counter() - begin
+            if fault is not None:
+                watch.until(lambda: not process.is_alive() or _samples(path) > 0.0)
+                left = self.length(name) - (time.perf_counter() - begin)
+                time.sleep(self.random.uniform(0.0, max(left, 0.0)))
+                process, stopped = self._happen(fault, process, lambda: self._client(path, name))
+            watch.until(lambda: not process.is_alive())
+        except Hang as hang:
+            # Where it hangs goes to the log.
+            _signal(process.pid, signal.SIGABRT)
+            process.join()
+            wrong = str(hang)
         finally:
+            took = time.perf_counter() - begin
             for pid in stopped:
                 _signal(pid, signal.SIGCONT)
             if self.network:
                 self.network.mend()
             process.kill()
-        if process.returncode != 0:
-            self.differing.append(f"{number}: {name}, {fault}: exit code {process.returncode}")
-            return took
+            process.join()
+        wrong = wrong or self._fault_of(path, process.exitcode, name)
+        self.trials[number] = {
+            "fault": None, "idle": watch.longest,
+            "wrong": wrong and f"{number}: {name}, {fault}: {wrong}",
+        }  # fmt: skip
+        return took
+
+    def _fault_of(self, path: Path, code: int, name: str) -> str:
+        """What is wrong with a render that has ended, or nothing."""
+        if code != 0:
+            return f"exit code {code}"
         film = Film.load(path)
         whole = self.whole[name]
         planes = [(film.sums, whole.sums), (film.counts, whole.counts)]
         planes += [(film.aov_sums[layer], plane) for layer, plane in whole.aov_sums.items()]
         if not all(np.array_equal(a, b) for a, b in planes):
-            self.differing.append(f"{number}: {name}, {fault}: other bits")
+            return "other bits"
         path.unlink()
-        return took
+        return ""
 
-    def _client(self, path: Path, name: str) -> subprocess.Popen:
-        words = ["--client", self.cluster.address, str(self.cluster.keys), str(path), name]
-        return subprocess.Popen(
-            [sys.executable, "-m", "tests.cluster.faults", *words],
-            stdout=self.cluster.log, stderr=self.cluster.log,
-        )  # fmt: skip
+    def _client(self, path: Path, name: str) -> Any:
+        where = self.cluster.address, str(self.cluster.keys), str(path), name
+        process = self._forks.Process(target=client, args=(*where, self.cluster.log.name))
+        process.start()
+        return process
 
-    def _happen(
-        self, fault: str, process: subprocess.Popen, again: Callable[[], subprocess.Popen]
-    ) -> tuple[subprocess.Popen, list[int]]:
+    def _happen(self, fault: str, process: Any, again: Callable[[], Any]) -> tuple[Any, list[int]]:
         word, _, whom = fault.partition(" ")
         if word == "cut":
             assert self.network is not None
@@ -265,7 +269,7 @@ class Campaign:
             return process, []
         if whom == "client":
             process.kill()
-            process.wait()
+            process.join()
             return again(), []
         assert self.cluster.scheduler is not None
         pids = {
@@ -303,10 +307,17 @@ def run(folder: Path, numbers: Callable[[int], Iterable[int]], seed: int) -> dic
         campaign.cluster.log.close()
         if campaign.network:
             campaign.network.end()
+    told = {number: trial for number, trial in campaign.trials.items() if trial["fault"]}
+    delays = {
+        fault: max(trial["delay"] for trial in told.values() if trial["fault"] == fault)
+        for fault in campaign.faults if fault in {trial["fault"] for trial in told.values()}
+    }  # fmt: skip
     return {
-        "faults": dict(campaign.told), "differing": campaign.differing,
+        "faults": dict(Counter(trial["fault"] for trial in told.values())),
+        "differing": campaign.differing,
         "length_s": {name: round(length, 1) for name, length in campaign.lengths.items()},
-        "delay_s": {name: round(delay, 1) for name, delay in campaign.delays.items()},
+        "delay_s": {name: round(delay, 1) for name, delay in delays.items()},
+        "idle_s": round(max((trial["idle"] for trial in told.values()), default=0.0), 1),
     }  # fmt: skip
 
 
@@ -314,15 +325,15 @@ def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--faults", type=int, default=16)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--folder", type=Path)
-    parser.add_argument("--client", nargs=4)
+    parser.add_argument("--folder", type=Path, required=True)
     given = parser.parse_args()
-    if given.client:
-        client(*given.client)
-        return
     given.folder.mkdir(parents=True, exist_ok=True)
-    print(json.dumps(run(given.folder.resolve(), lambda kinds: range(given.faults), given.seed)))
+    # What was started ends with it.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    numbers = range(given.first, given.first + given.faults)
+    print(json.dumps(run(given.folder.resolve(), lambda kinds: numbers, given.seed)))
 
 
 if __name__ == "__main__":

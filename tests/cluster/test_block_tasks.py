@@ -144,6 +144,17 @@ def add(name, amount):
     return change
 
 
+def put(name, value):
+    def change(content, arrays):
+        arrays[name] = arrays[name].copy()
+        arrays[name].flat[0] = value
+
+    return change
+
+
+#: Its magnitude is no int64, and NumPy gives it as negative.
+LEAST = np.iinfo(np.int64).min
+
 SPOILT = {
     "another task": (lambda c, a: c.update(task="0"), "of another task"),
     "a block too few": (lambda c, a: c["blocks"].pop(), "answered 1 blocks, not 2"),
@@ -152,6 +163,8 @@ SPOILT = {
     "a negative limb": (add("1..low", -(1 << 40)), "sums that its samples cannot have"),
     "too much light": (add("1..high", 1 << 50), "sums that its samples cannot have"),
     "too much depth": (add("0.depth.high", 1 << 50), "sums that its samples cannot have"),
+    "the least number": (put("0..high", LEAST), "sums that its samples cannot have"),
+    "the least depth": (put("0.depth.high", LEAST), "sums that its samples cannot have"),
     "another shape": (lambda c, a: a.update({"0..low": a["0..low"][:4]}), "of shape"),
     "another type": (lambda c, a: a.update({"0..low": a["0..low"] * 1.0}), "float64, not"),
     "no layer": (lambda c, a: a.pop("0.depth.low"), "cannot be read: KeyError"),

@@ -32,6 +32,10 @@ def alight(*words):
         (["--cluster", "tls://h:1"], "--cluster with tls:// needs --cluster-keys"),
         (["--cluster-keys", "k"], "--cluster-keys are those of --cluster"),
         (["--cluster", "tcp://127.0.0.1:1", "--cluster-keys", "k"], "tcp:// takes no keys"),
+        (["--cluster", "local:1", "--cluster-keys", "k"], "local:N makes its own keys"),
+        # A digit of Unicode, and the name of a host, which anybody may have.
+        (["--cluster", "local:\uff12"], "local:N needs N in [1, 1024]"),
+        (["--cluster", "tcp://127.999.0.1:8786"], "use tls:// and --cluster-keys"),
     ],
 )
 def test_what_cannot_be_is_one_message(tmp_path, monkeypatch, words, message):

@@ -162,6 +162,19 @@ def test_a_malformed_answer_is_refused_and_the_task_done_again(client):
     assert dispatcher.counts["failed"] == 1
 
 
+def test_workers_that_the_scene_did_not_reach_are_brought_it(client, monkeypatch):
+    """As when the scheduler cannot connect to one for half a minute."""
+
+    async def fails(**words):
+        raise OSError("Timed out trying to connect")
+
+    monkeypatch.setattr(client, "_register_worker_plugin", fails)
+    found, dispatcher = answers_of(client, jobs.multiplied, 5, 12)
+    assert found == {n: 5 * n for n in range(12)}
+    assert dispatcher.counts["failed"] == dispatcher.counts["done here"] == 0
+    assert not dispatcher.refused
+
+
 def test_a_worker_that_dies_loses_nothing(client, tmp_path):
     found, _ = answers_of(client, jobs.deadly, str(tmp_path), 12)
     assert found == {n: n for n in range(12)}

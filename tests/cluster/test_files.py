@@ -1,6 +1,7 @@
 """Cluster files: what they say is done, over TLS; what is wrong with one is said with its place."""
 
 import logging
+import re
 import socket
 import sys
 import types
@@ -249,8 +250,23 @@ def test_pods_of_the_manifest_speak_tls_with_the_keys_of_the_secret():
         given = [word.partition("=") for word in container["args"] if word.startswith("--tls")]
         assert {option for option, _, _ in given} == {"--tls-ca-file", "--tls-cert", "--tls-key"}
         assert {value for _, _, value in given} == paths
-    port = spec["scheduler"]["service"]["ports"][0]["port"]
+        assert "--dashboard-address=127.0.0.1:0" in container["args"]
+    # The schema of the operator has texts where Kubernetes takes numbers, too.
+    [container], [port] = (
+        spec["scheduler"]["spec"]["containers"],
+        spec["scheduler"]["service"]["ports"],
+    )
+    [own] = container["ports"]
+    assert container["readinessProbe"]["tcpSocket"]["port"] == port["targetPort"] == own["name"]
+    port = port["port"]
     assert f"tls://{name}-scheduler:{port}" in spec["worker"]["spec"]["containers"][0]["args"]
     assert "--protocol=tls" in spec["scheduler"]["spec"]["containers"][0]["args"]
     page = (ROOT / "docs" / "many-machines.md").read_text(encoding="utf-8")
     assert "create secret generic alight-keys" in page
+
+
+def test_pages_that_ask_for_no_key_are_open_to_their_own_machine_alone():
+    page = (ROOT / "docs" / "many-machines.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^dask (?:scheduler|worker) .*", page, re.MULTILINE)
+    assert len(commands) == 2
+    assert all(" --dashboard-address 127.0.0.1:" in command for command in commands)

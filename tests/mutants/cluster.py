@@ -84,6 +84,12 @@ CLUSTER = (
         f"{DISPATCH}::test_a_failing_task_is_tried_again_and_at_last_done_here",
     ),
     Mutant(
+        "tasks of a worker that the scene did not reach",
+        "cluster/worker.py",
+        (("if shared.name not in get_worker().plugins:", "if False:"),),
+        f"{DISPATCH}::test_workers_that_the_scene_did_not_reach_are_brought_it",
+    ),
+    Mutant(
         "workers of any fingerprint let in",
         "cluster/worker.py",
         (("if fingerprint(asked.target) != asked.fingerprint:", "if False:"),),

@@ -236,7 +236,7 @@ def _coverage(layout: Layout, arrays: Any, name: str, samples: np.ndarray) -> Su
     if layout.surfaces is None:
         return None
     found = unpack_sums(name, arrays, len(samples), layout.surfaces)
-    if (abs(found.sums[:, 0]) > LARGEST * samples[found.pixels]).any():
+    if is_beyond(found.sums[:, 0], LARGEST * samples[found.pixels]):
         raise FilmError("a worker's answer has weights that its samples cannot have")
     return found
 
@@ -260,9 +260,14 @@ def sums_of(
 ) -> np.ndarray:
     """Canonical sums, of which limb 0 is at most `most`."""
     high, low = (_array(arrays, f"{name}.{limb}", shape) for limb in ("high", "low"))
-    if ((low < 0) | (low > LOW_MASK)).any() or (abs(high) > most).any():
+    if ((low < 0) | (low > LOW_MASK)).any() or is_beyond(high, most):
         raise FilmError("a worker's answer has sums that its samples cannot have")
     return np.stack([high, low], axis=-1)
+
+
+def is_beyond(numbers: np.ndarray, most: Any) -> bool:
+    """Whether a magnitude is larger than `most`; that of the least int64 is no int64."""
+    return bool(((numbers > most) | (numbers < -most)).any())
 
 
 def _array(arrays: Mapping[str, np.ndarray], name: str, shape: tuple[int, ...]) -> np.ndarray:

@@ -37,7 +37,7 @@ from alight.rendering.tiles.tile_kernel import Tile
 from lanewise.machine import describe_machine
 
 if TYPE_CHECKING:
-    from alight.cluster.dispatch import Patience
+    from alight.cluster.issues import Patience
     from alight.options.cluster import ClusterOptions
     from alight.rendering.job import Job
 
