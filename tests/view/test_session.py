@@ -291,6 +291,18 @@ def read_picture():
     return as_picture(np.full((4, 5, 3), 0.5, np.float32))
 
 
+def test_layers_are_there_to_choose_while_the_camera_moves(session):
+    """Only the coarse picture is there then, which has no others: it is shown in their place."""
+    settled(session)
+    session.live.layers = FileLayers(read_picture())
+    assert session.film is None
+    session.apply(protocol.Show("error"))
+    state = session.state(None, None)
+    assert (state["layers"], state["layer"]) == (["picture", "error", "samples"], "error")
+    with pytest.raises(RefusedError, match="none of this name"):
+        session.apply(protocol.Show("albedo"))
+
+
 def test_named_cameras_are_looked_through():
     session = session_of("transform-tree", ViewOptions(size=(16, 16), spp=1, threads=1))
     try:
