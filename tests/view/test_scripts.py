@@ -112,10 +112,12 @@ def test_each_key_says_its_own_word(page):
     for key in ("w", "m", "Control+z"):
         page.keyboard.press(key)
     assert sent(page) == []
-    # Of a film there is no camera, and no region.
+    # Of a film there is no camera, no region, and no render to go on with or to end.
+    assert "orbit" in page.text_content("#keys")
     told(page, FILM)
+    assert not any(word in page.text_content("#keys") for word in ("orbit", "camera", "undo"))
     page.focus("#stage")
-    for key in ("w", "ArrowUp", "q", "[", "Home", "b", "g", "t"):
+    for key in ("w", "ArrowUp", "q", "[", "Home", "b", "g", "t", "m", "x", "Control+z", "Control+Shift+Z"):
         page.keyboard.press(key)
     assert sent(page) == []
     assert page.get_attribute("#select", "aria-pressed") != "true"
