@@ -366,6 +366,16 @@ def test_the_command_is_that_of_the_picture(page):
         {"white_balance": "none"}, {"denoise": True},
     ):  # fmt: skip
         assert not shown(**change), json.dumps(change)
+    # An answer that comes after the picture has changed is that of the one before.
+    told(page, SCENE)
+    page.click("#saves >> text=Command")
+    told(page, SCENE | {"number": 9})
+    sent(page)
+    told(page, {"is": "command", "text": "alight render y", "notes": []})
+    assert not page.is_visible("#command")
+    assert sent(page) == [{"do": "command"}]
+    told(page, {"is": "command", "text": "alight render z", "notes": []})
+    assert page.input_value("#command") == "alight render z"
 
 
 def test_frames_are_drawn_where_they_belong(page):
