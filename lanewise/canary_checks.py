@@ -15,30 +15,16 @@ from typing import Any
 
 import numpy as np
 
+from lanewise.canary_instructions import numbers, try_instructions
 from lanewise.jit import dispatcher_of, instantiate, kernel, load_compiler
 from lanewise.machine import lanes_of_machine
 from lanewise.machine_code import MachineCode
 from lanewise.simd import (
     LANES,
-    absolute,
     any_lane,
     as_float,
-    copysign,
-    float_bits,
-    floor,
-    fma,
-    gather,
-    gather_row,
-    horizontal_max,
     lanes,
     load_lanes,
-    maximum,
-    minimum,
-    packing,
-    permuted,
-    rint,
-    rsqrt,
-    sqrt,
     store_lanes,
     where,
 )
@@ -46,7 +32,7 @@ from lanewise.vec3 import Vec3
 from lanewise.view import View
 
 Check = Callable[[], None]
-CHECKS: dict[str, Check] = {}
+CHECKS: dict[str, Check] = {"instructions": try_instructions}
 
 
 def _check(part: str) -> Callable[[Check], Check]:
@@ -93,8 +79,9 @@ def _strict_root(table):
     _root(table)
 
 
-def _numbers() -> View:
-    return View(np.linspace(0.5, 9.0, 4 * lanes_of_machine(), dtype=np.float32))
+@kernel
+def _one_of_two(table):
+    table[1] = as_float(1 if table[0] in (2.0, 5.0) else 0)
 
 
 def _fresh(text: FunctionType, stock: bool = False) -> Any:
@@ -111,7 +98,7 @@ def _fresh(text: FunctionType, stock: bool = False) -> Any:
 def _llvm(text: FunctionType) -> str:
     """Optimised LLVM IR of a root kernel with one table."""
     dispatcher = _fresh(text)
-    load_compiler().object_code(dispatcher, (_numbers(),))
+    load_compiler().object_code(dispatcher, (numbers(),))
     [found] = dispatcher.inspect_llvm().values()
     return found
 
@@ -130,7 +117,7 @@ def _type_of_result(text: FunctionType, *arguments: Any, stock: bool = False) ->
 
 
 def _run_root(run: Callable) -> None:
-    table, x = _numbers(), _numbers().array.reshape(4, -1)
+    table, x = numbers(), numbers().array.reshape(4, -1)
     run(table)
     while (x > 1.0).any():
         x = np.where(x > 1.0, 0.5 * x, x)
@@ -162,12 +149,19 @@ def _try_constants() -> None:
 def _try_library() -> None:
     """A finalised module gives object code; Numba's engine need not have it, nor its runtime."""
     dispatcher = _fresh(_strict_root)
-    made = load_compiler().object_code(dispatcher, (_numbers(),))
+    made = load_compiler().object_code(dispatcher, (numbers(),))
     [compiled] = dispatcher.overloads.values()
     assert len(compiled.library.linked) == 1, "linked with more than what it calls"
     assert compiled.library.alone, "what was lowered for it is not one module"
     assert made.symbol.encode() in made.code, "the object code lacks its symbol"
     _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made))
+
+
+@_check("InlinedLibrary")
+def _try_inlining() -> None:
+    """A library's module for linking is a copy whose functions may be given attributes."""
+    calls = re.findall(r"call [^\n]*@_Z[^\n]*", _llvm(_one_of_two))
+    assert not calls, f"not inlined: {calls[0]}"
 
 
 @_check("unused_entry")
@@ -196,7 +190,7 @@ def _try_bitcode() -> None:
     for _ in range(2):
         dispatcher = _fresh(_root)
         adapter.look_in(dispatcher, Kept())
-        made.append(load_compiler().object_code(dispatcher, (_numbers(),)))
+        made.append(load_compiler().object_code(dispatcher, (numbers(),)))
     assert made[0].symbol == made[1].symbol, "the second was compiled"
     _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made[1]))
 
@@ -230,7 +224,7 @@ def _try_inference() -> None:
 @_check("LeanCompiler")
 def _try_lean() -> None:
     """Ten passes, Numba's or made of its own, in this order, are enough for kernel text."""
-    made = load_compiler().object_code(_fresh(_root), (_numbers(),))
+    made = load_compiler().object_code(_fresh(_root), (numbers(),))
     _run_root(MachineCode("canary", secrets.token_hex(8), lambda arguments: made))
     llvm = _llvm(_root)
     doubles = re.findall(r"f(?:add|sub|mul|div|pext)[^\n]*\bdouble\b[^\n]*", llvm)
@@ -339,60 +333,3 @@ def _try_object_code() -> None:
     pair = (View(np.float32([0.5])), np.uint32(7))
     instantiate(kernel(text))(pair, True, Vec3(1.0, 2.0, 3.0), np.float32(0.25), table)
     assert table.array.tolist() == [7.0, 2.0, 0.25, 1.5], str(table.array)
-
-
-#: Elementwise functions by the number of their arguments.
-ELEMENTWISE = {
-    1: (sqrt, rsqrt, floor, rint, absolute, float_bits),
-    2: (minimum, maximum, copysign),
-    3: (fma,),
-}
-
-
-@_check("instructions")
-def _try_instructions() -> None:
-    """LLVM knows the instructions behind the primitives; its pointers have types."""
-
-    def text(table, order, out):
-        x, n = load_lanes(table, 0), table.size
-        store_lanes(out, 0, gather(table, load_lanes(order, 0)))
-        a, b, c = gather_row(table, load_lanes(order, 0), 3)
-        store_lanes(out, n, a + 2.0 * b + 4.0 * c)
-        packed = permuted(x, packing(x > 4.0))
-        store_lanes(out, 2 * n, packed * horizontal_max(x))
-
-    n = lanes_of_machine()
-    table, order = _numbers().array[:n].copy(), np.arange(n, dtype=np.uint32)[::-1] % (n - 2)
-    out = View(np.zeros(3 * n, np.float32))
-    instantiate(kernel(text))(View(table), View(order.copy()), out)
-    rows = [table[order + k] for k in range(3)]
-    packed = np.concatenate([table[table > 4.0], table[table <= 4.0]])
-    expected = [rows[0], rows[0] + 2 * rows[1] + 4 * rows[2], packed * table.max()]
-    np.testing.assert_allclose(out.array, np.concatenate(expected), rtol=1e-6)
-    for count, functions in ELEMENTWISE.items():
-        for function in functions:
-            _try_elementwise(function, count)
-
-
-def _try_elementwise(function: Callable, count: int) -> None:
-    def of_one(x):
-        return function(x)
-
-    def of_two(x):
-        return function(x, 3.0 - x)
-
-    def of_three(x):
-        return function(x, 3.0 - x, x)
-
-    text = kernel((of_one, of_two, of_three)[count - 1])
-
-    def over(table, out):
-        for i in range(0, table.size, LANES):
-            store_lanes(out, i, text(load_lanes(table, i)))
-
-    table = _numbers()
-    expected = text(table.array)
-    out = View(np.zeros(table.size, expected.dtype))
-    instantiate(kernel(over))(table, out)
-    said = f"{function.__name__} differs from its twin"
-    np.testing.assert_allclose(out.array, expected, rtol=1e-6, err_msg=said)

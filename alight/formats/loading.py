@@ -160,6 +160,27 @@ def load(
     return result.from_source(replace(result.source, recipe=recipe))
 
 
+def load_again(how: Recipe) -> Scene:
+    """Load a scene as it was loaded before, or with the recipe changed.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
+    """
+    return load(
+        how.path,
+        how.changes,
+        definitions=how.definitions,
+        lenient=how.lenient,
+        root=how.root,
+        variant=how.variant,
+        scene_name=how.scene_name,
+        animation=how.animation,
+        at=how.at,
+    )
+
+
 def _check_arguments(changes: Any, definitions: Any, root: Any) -> None:
     expect(definitions, (Mapping, type(None)), "definitions", "a mapping of names to values")
     expect(root, (*PATH, type(None)), "root", "the path of a folder")

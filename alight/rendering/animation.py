@@ -2,7 +2,9 @@ r"""`alight.animate`: many pictures of a scene, each made as `alight.render` mak
 
 Frame n shows the scene while the camera's shutter is open, which counts in frames: with the shutter
 [a, b] of the scene from (n + a) / fps to (n + b) / fps, in the unit of the keyframes. A turntable
-keeps the time and turns the camera about the vertical through the middle of what is seen.
+keeps the time and turns the camera about the vertical through the middle of what is seen. A file
+of glTF or OpenUSD that has an animation is read once for each frame, n / fps seconds after the time
+that `at` names, and shown sharp.
 
 A frame that is there already is kept if its file says that it is this very picture: of the same
 scene, by its hash, with the same samples, kernels and display. So an animation that was killed
@@ -45,7 +47,14 @@ from alight.rendering import main_loop
 from alight.rendering.executors.blocks import Crew, Threads
 from alight.rendering.executors.cluster_executor import joined
 from alight.rendering.frame_files import FRAME, label_in, numbered
-from alight.rendering.frame_scenes import at_time, is_still, middle, turned
+from alight.rendering.frame_scenes import (
+    at_time,
+    is_still,
+    middle,
+    played,
+    shown_from,
+    turned,
+)
 from alight.rendering.job import Progress
 from alight.rendering.render import prepare
 from alight.rendering.resources import usable_processors
@@ -143,21 +152,30 @@ class Animation:
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
         single = options.of_frame(())
+        if single.animation is not None and single.at is None and not options.turntable:
+            single = single.changed(at=0.0)
         self.prepared = prepare(scene, single)
         asked = [name for name in single.aovs if name not in single.layers_of_background]
         # A film shows what a JPEG file does.
         targets = replace(self.prepared.targets, outputs=self.patterns or [Path("film.jpg")])
         self.prepared.useless.extend(targets.useless(asked, single.background != "scene"))
-        self.scene, self.current = self.prepared.scene, self.numbers.start
+        self.current, self._origin = self.numbers.start, None
+        plays = self.prepared.scene.source.remarks.plays
+        if plays and not options.turntable and not isinstance(scene, Scene):
+            # All frames are seen as the first one of them all, whichever of them are rendered.
+            self._origin = shown_from(self.prepared.scene)
+            self.prepared = replace(self.prepared, scene=self.scene_of(self.current))
+        self.scene = self.prepared.scene
         if options.turntable and place_camera(self.scene).motion is not None:
             text = "{turntable} takes the camera as it is at first, without its motion"
             self.prepared.useless.append((text, ("turntable",)))
-        if not options.turntable and len(self.numbers) > 1 and is_still(self.scene):
-            text = (
-                "nothing in the scene has keyframes, so all frames are alike; {turntable} turns "
-                "the camera, and {at} shows a glTF or OpenUSD file at one time"
-            )
-            self.prepared.useless.append((text, ("frames", "turntable", "at")))
+        moves = options.turntable or self._origin is not None or not is_still(self.scene)
+        if len(self.numbers) > 1 and not moves:
+            remedy = "{turntable} turns the camera"
+            if plays:
+                remedy = "the animation of its file is played if the file's path is given"
+            text = f"nothing in the scene has keyframes, so all frames are alike; {remedy}"
+            self.prepared.useless.append((text, ("frames", "turntable")))
         # What the scene sets already is not set again for every frame; denoising has added layers.
         self.single = self.prepared.options.with_loaded_scene()
         #: By frame: threads are done in any order.
@@ -307,6 +325,8 @@ class Animation:
 
     def scene_of(self, number: int) -> Scene:
         """The scene of a frame."""
+        if self._origin is not None:
+            return played(self._origin, number / self.options.fps)
         if not self.options.turntable:
             return at_time(self.scene, number, self.options.fps)
         turn = -360.0 * (number - self.numbers.start) / len(self.numbers)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from alight.formats.loading import load_again
+from alight.formats.scenes.made_up import as_made_up_for
 from alight.scene import Node, Scene, SceneManager
 from alight.scene.flatten import FlatScene, place_camera
 from alight.scene.keyframes import Keyframes
@@ -24,6 +28,30 @@ def at_time(scene: Scene, number: int, fps: float) -> Scene:
     if isinstance(named, str):
         return SceneManager(scene).replace(named, node).scene.made_from(scene)
     return scene.replaced(camera=node).made_from(scene)
+
+
+def shown_from(opened: Scene) -> Scene:
+    """The scene when its file's own animation begins, or at the time that it was opened at."""
+    how = opened.source.recipe
+    assert how is not None
+    return opened if how.at is not None else load_again(replace(how, at=0.0))
+
+
+def played(origin: Scene, seconds: float) -> Scene:
+    """The scene so long after `origin`, as its file's own animation has it then.
+
+    Parameters
+    ----------
+    origin : Scene
+        Of `shown_from`.
+    seconds : float
+    """
+    how = origin.source.recipe
+    assert how is not None
+    assert how.at is not None
+    if seconds == 0.0:
+        return origin
+    return as_made_up_for(origin, load_again(replace(how, at=how.at + seconds)))
 
 
 def is_still(scene: Scene) -> bool:

@@ -37,6 +37,11 @@ class Remarks:
     read: tuple[tuple[str, int], ...] = ()
     assumed: tuple[tuple[str, str], ...] = ()
 
+    @property
+    def plays(self) -> bool:
+        """Whether the file has an animation, of which one time is shown."""
+        return "animations" in dict(self.read)
+
 
 @dataclass(frozen=True)
 class Recipe:

@@ -13,6 +13,7 @@ import pytest
 from lanewise import (
     canary,
     canary_checks,
+    canary_instructions,
     dispatchers,
     numba_adapter,
     numba_shortcuts,
@@ -137,12 +138,13 @@ def complaint_of(check, *arguments):
 
 def test_instructions_that_do_nothing_are_told(monkeypatch):
     """Each of them is tried, and no comparison is left out."""
-    tried, try_one = [], canary_checks._try_elementwise
-    monkeypatch.setattr(canary_checks, "_try_elementwise", lambda *what: tried.append(what))
+    tried, try_one = [], canary_instructions.try_elementwise
+    monkeypatch.setattr(canary_instructions, "try_elementwise", lambda *what: tried.append(what))
     canary.CHECKS["instructions"]()
-    elementwise = canary_checks.ELEMENTWISE.items()
+    elementwise = canary_instructions.ELEMENTWISE.items()
     assert tried == [(function, count) for count, some in elementwise for function in some]
-    monkeypatch.setattr(canary_checks, "instantiate", lambda text: lambda *arguments: None)
+    for checks in (canary_checks, canary_instructions):
+        monkeypatch.setattr(checks, "instantiate", lambda text: lambda *arguments: None)
     for name in ("instructions", "object_code"):
         assert complaint_of(canary.CHECKS[name]), f"{name} compares nothing"
     for function, count in tried:

@@ -2,6 +2,7 @@
 
 from tests.mutants.mutant import Mutant
 
+NUMBAS = "tests/lanewise/test_numbas_functions.py"
 ADAPTER = "tests/lanewise/test_adapter.py::test_instructions_that_do_nothing_are_told"
 ALIKE = (
     "tests/motion/test_copies.py"
@@ -233,15 +234,29 @@ FOUNDATIONS = (
         "lanewise",
     ),
     Mutant(
+        "LLVM estimates whether functions of Numba are worth inlining",
+        "numba_adapter.py",
+        (('function.add_function_attribute("alwaysinline")', "pass"),),
+        f"{NUMBAS}::test_other_functions_of_numba_are_inlined_whatever_llvm_estimates",
+        "lanewise",
+    ),
+    Mutant(
+        "of two numbers of which one is NaN the larger is the other",
+        "scalar_instructions.py",
+        (("(number, best)), number, best", "(best, number)), best, number"),),
+        f"{NUMBAS}::test_extremes_are_pythons_nan_and_signed_zeros_included",
+        "lanewise",
+    ),
+    Mutant(
         "of the elementwise functions the first of each kind are tried",
-        "canary_checks.py",
+        "canary_instructions.py",
         (("for function in functions:", "for function in functions[:1]:"),),
         ADAPTER,
         "lanewise",
     ),
     Mutant(
         "what gathers and packings give is not compared",
-        "canary_checks.py",
+        "canary_instructions.py",
         (
             (
                 "np.testing.assert_allclose(out.array, np.concatenate(expected), rtol=1e-6)",

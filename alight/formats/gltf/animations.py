@@ -52,6 +52,8 @@ def pose(document: Document, shown: Shown) -> None:
         If there is no such animation, or it is broken.
     """
     animations, report = document.list("animations"), document.report
+    if animations:
+        report.count("animations", len(animations))
     if shown.at is None:
         if shown.animation is not None:
             text = "says which animation --at SECONDS is a time of; give it, too"

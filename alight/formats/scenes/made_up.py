@@ -46,6 +46,27 @@ def fitted(before: Scene, after: Scene, framed: Bounds | None) -> Scene:
     return _turned(before, after).from_source(source)
 
 
+def as_made_up_for(first: Scene, later: Scene) -> Scene:
+    """Keep what was made up for the first frame of an animation: it would jump with each pose.
+
+    Parameters
+    ----------
+    first, later : Scene
+        Of one file, at two times.
+    """
+    texts = first.source.remarks.warnings
+    held = {key for key, text in first.source.remarks.assumed if text in texts}
+    parts: dict[str, Any] = {}
+    if "camera.transform" in held:
+        parts["camera"] = first.camera
+    if "environment.file" in held:
+        parts["environment"] = first.environment
+    floors = {name: node for name, node in first.nodes.items() if is_floor(node.bsdf)}
+    if floors:
+        parts["nodes"] = {**later.nodes, **floors}
+    return later.replaced(**parts).from_source(later.source) if parts else later
+
+
 def without_floor(scene: Scene) -> Scene:
     """The scene without the studio's floor, which is no part of a model."""
     nodes = {name: node for name, node in scene.nodes.items() if not is_floor(node.bsdf)}

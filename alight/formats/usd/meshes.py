@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -27,6 +28,8 @@ _AXES: dict[str, list[Data]] = {
     "Z": [],
 }
 _AROUND = 64
+#: Solids that become meshes, as they are called in files; the newer ones have two radii.
+_REVOLVED = ("Cylinder", "Cone", "Capsule", "Cylinder_1", "Capsule_1")
 
 
 def read_mesh(
@@ -219,15 +222,18 @@ def solid(stage: Stage, prim: Any) -> tuple[Data, list[Data]] | None:
         length = float(stage.value(plane.GetLengthAttr(), 2.0))
         axis = _axis(stage, plane)
         return {"type": "rectangle"}, [{"scale": [width / 2, length / 2, 1.0]}, *_AXES[axis]]
-    kinds = {"Cylinder": UsdGeom.Cylinder, "Cone": UsdGeom.Cone, "Capsule": UsdGeom.Capsule}
-    kind = prim.GetTypeName()
-    if kind not in kinds:
+    name = str(prim.GetTypeName())
+    if name not in _REVOLVED:
         return None
-    gprim = kinds[kind](prim)
-    radius = float(stage.value(gprim.GetRadiusAttr(), 1.0))
+    gprim, kind = getattr(UsdGeom, name)(prim), name.partition("_")[0]
+    if kind == name:
+        bottom = top = float(stage.value(gprim.GetRadiusAttr(), 1.0))
+    else:
+        bottom = float(stage.value(gprim.GetRadiusBottomAttr(), 1.0))
+        top = float(stage.value(gprim.GetRadiusTopAttr(), 1.0))
     height = float(stage.value(gprim.GetHeightAttr(), 2.0))
     axis = _axis(stage, gprim)
-    shape = _turned(*_profile(kind, radius, height))
+    shape = _turned(*_profile(kind, bottom, top, height))
     stage.report.approximate(f"{prim.GetPath()}: a {kind.lower()} became a mesh")
     return {"__mesh__": shape}, list(_AXES[axis])
 
@@ -240,17 +246,27 @@ def _axis(stage: Stage, solid: Any) -> str:
     return "Z"
 
 
-def _profile(kind: str, radius: float, height: float) -> tuple[Any, Any]:
+def _profile(kind: str, bottom: float, top: float, height: float) -> tuple[Any, Any]:
     """Radii and heights of a solid of revolution, from the bottom to the top."""
     half = 0.5 * height
     if kind == "Cylinder":
-        return [0.0, radius, radius, 0.0], [-half, -half, half, half]
+        return [0.0, bottom, top, 0.0], [-half, -half, half, half]
     if kind == "Cone":
-        return [0.0, radius, 0.0], [-half, -half, half]
-    angles = np.linspace(0.0, 0.5 * np.pi, _AROUND // 4 + 1)
-    below, above = -radius * np.cos(angles), radius * np.sin(angles)
-    radii = np.concatenate([radius * np.sin(angles), radius * np.cos(angles)])
-    return radii, np.concatenate([below - half, above + half])
+        return [0.0, bottom, 0.0], [-half, -half, half]
+    # Caps are parts of balls that touch the sides, which lean by this.
+    tilt = math.atan2(bottom - top, height) if height > 0.0 else 0.0
+    radii, heights = [], []
+    steps = _AROUND // 4 + 1
+    for radius, middle, angles in (
+        (bottom, -half, np.linspace(-0.5 * np.pi, tilt, steps)),
+        (top, half, np.linspace(tilt, 0.5 * np.pi, steps)),
+    ):
+        ball = radius / math.cos(tilt)
+        radii.append(ball * np.cos(angles))
+        heights.append(middle + ball * (np.sin(angles) - math.sin(tilt)))
+    # A cosine of a quarter of a turn is not quite 0.
+    radii[0][0] = radii[1][-1] = 0.0
+    return np.concatenate(radii), np.concatenate(heights)
 
 
 def _turned(radii: Any, heights: Any) -> Mesh:

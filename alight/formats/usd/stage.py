@@ -230,8 +230,11 @@ def _time(stage: Any, name: str, report: Report, at: float | None) -> Any:
     if at is None and not stage.HasAuthoredTimeCodeRange():
         return Usd.TimeCode.EarliestTime()
     start = float(_metadata(stage, "startTimeCode", 0.0))
+    moves = _metadata(stage, "endTimeCode", start) > start
+    if moves:
+        report.count("animations")
     if at is None:
-        if _metadata(stage, "endTimeCode", start) > start:
+        if moves:
             report.drop(
                 f"times after {start:g}: the scene is shown at that one; --at SECONDS shows it "
                 "at another"

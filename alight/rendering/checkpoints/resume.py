@@ -14,6 +14,7 @@ from alight.core.errors import FilmError, OptionError, SceneError
 from alight.films import Film
 from alight.films.coverage import check_same_names
 from alight.formats import load
+from alight.formats.loading import load_again
 from alight.options.device import CPU, GPU
 from alight.options.entry import takes
 from alight.options.kinds import Files
@@ -294,17 +295,8 @@ def _scripts(saved: Checkpoint) -> str:
 def _loaded(recipe, moved, root) -> Scene:
     if recipe is None:
         return load(moved, root=root)
-    return load(
-        moved or recipe.path,
-        recipe.changes,
-        definitions=recipe.definitions,
-        lenient=recipe.lenient,
-        root=recipe.root if root is None else root,
-        variant=recipe.variant,
-        scene_name=recipe.scene_name,
-        animation=recipe.animation,
-        at=recipe.at,
-    )
+    path, root = moved or recipe.path, recipe.root if root is None else root
+    return load_again(replace(recipe, path=path, root=root))
 
 
 def changed_scene(path: str, before: Mapping[str, str], scene: Scene) -> str:
