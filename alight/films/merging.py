@@ -83,10 +83,10 @@ def check_samples(film: Film, spp: int) -> None:
     cells = film.cells[cells_of(*film.crop)]
     held = next(cell for cell in cells.flat if cell.count != spp)
     least, most = count.min(), count.max()
+    counted = f"{least} to {most}" if least < most else f"{most}"
     raise FilmError(
-        f"there are {least if least == most else f'{least} to {most}'} samples per pixel, "
-        f"not {spp}; "
-        f"a cell holds the samples {held}"
+        f"each pixel has {counted} {'sample' if most == 1 else 'samples'}, not {spp}; "
+        f"a cell holds those numbered {held}"
     )
 
 

@@ -84,7 +84,12 @@ class SampleRanges:
 
     def __str__(self) -> str:
         """Say the samples in words, the last one included."""
-        return ", ".join(f"{first} to {end - 1}" for first, end in self.ranges) or "none"
+        return ", ".join(_in_words(first, end) for first, end in self.ranges) or "none"
+
+
+def _in_words(first: int, end: int) -> str:
+    """Samples from the first to the one before the end."""
+    return f"{first}" if end == first + 1 else f"{first} to {end - 1}"
 
 
 def _normalised(ranges: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
@@ -95,8 +100,9 @@ def _normalised(ranges: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], ...
         if first == end:
             continue
         if joined and first < joined[-1][1]:
-            both = f"{first} to {min(end, joined[-1][1]) - 1}"
-            raise FilmError(f"samples {both} would be counted twice")
+            last = min(end, joined[-1][1])
+            held = f"{'sample' if last == first + 1 else 'samples'} {_in_words(first, last)}"
+            raise FilmError(f"{held} would be counted twice")
         if joined and first == joined[-1][1]:
             joined[-1] = (joined[-1][0], end)
         else:

@@ -22,13 +22,19 @@ if TYPE_CHECKING:
 
 #: Where no words of a command give the scene that is shown.
 SAVE_FIRST = "no command says all of these edits: save the scene, and render that file"
+#: Where the file is another one by now.
+FILE_CHANGED = (
+    "the scene's file has changed since it was opened: open it again, or save the scene that is "
+    "shown, and render that file"
+)
 
 
 class Origin(NamedTuple):
-    """What ``alight view`` was called with."""
+    """What ``alight view`` was called with, and the scene that it read."""
 
     subject: str
     options: ViewOptions
+    scene: Scene
 
 
 def command_of(
@@ -49,6 +55,12 @@ def command_of(
     if origin is None:
         raise AlightError("the scene came from Python, not from a file: save it first")
     shown, asked = editor.scene, origin.options
+    try:
+        now = _read(origin, asked)
+    except AlightError as error:
+        raise AlightError(f"{FILE_CHANGED}\n{error}") from None
+    if content_hash(now) != content_hash(origin.scene):
+        raise AlightError(FILE_CHANGED)
     made, notes = _with_end(asked, live, shown.source.remarks.spp)
     made = made.changed(changes=(*made.changes, *editor.assignments()))
     if (camera := shown.camera) != _read(origin, made).camera:

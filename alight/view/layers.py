@@ -25,6 +25,11 @@ COARSER = 4
 DARKEST = 0.1
 
 
+def names_with(asked: Iterable[str]) -> tuple[str, ...]:
+    """The layers of a film, with those that were asked for."""
+    return (PICTURE, ERROR, SAMPLES, *asked)
+
+
 class Layers(ABC):
     """Something with layers of one size.
 
@@ -59,7 +64,7 @@ class FilmLayers(Layers):
         self.film = film
         _, _, width, height = film.crop
         self.size = width, height
-        self.names = (PICTURE, ERROR, SAMPLES, *film.aov_channels)
+        self.names = names_with(film.aov_channels)
 
     def plane(self, name: str) -> np.ndarray:
         """Work a layer out of the sums."""

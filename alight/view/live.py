@@ -111,6 +111,7 @@ class LiveScene:
         self._closed = False
         # A changed scene that waits for its kernels, and whether the camera stays with it.
         self._next: Movable | None = None
+        self._compiles = threading.Lock()
         self._keeps_camera = True
         # Whether there is machine code for `aim`.
         self._looks = threading.Event()
@@ -184,10 +185,14 @@ class LiveScene:
     def _prepare(self, movable: Movable) -> None:
         """Compile the kernels of a changed scene, and take it if none has come after it."""
         problem = ""
-        try:
-            movable.prepare()
-        except Exception as error:
-            problem = _words(error)
+        # One at a time: of those that wait, only the newest is of use.
+        with self._compiles:
+            if self._next is not movable:
+                return
+            try:
+                movable.prepare()
+            except Exception as error:
+                problem = _words(error)
         with self._news:
             if self._next is not movable:
                 return

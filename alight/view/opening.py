@@ -30,7 +30,7 @@ def session_of(subject: str, options: ViewOptions) -> Session:
     if not is_film_or_picture(subject):
         scene = scene_of(subject, options)
         session = Session(Path(subject).name, scene, options.of_render, against, **other)
-        session.origin = Origin(subject, options)
+        session.origin = Origin(subject, options, scene)
         return session
     for name in options.given():
         if name not in _OF_THE_PAGE:

@@ -22,7 +22,7 @@ from alight.view.command import Origin, command_of
 from alight.view.contrast import label_of_way, ways
 from alight.view.editor import Editor
 from alight.view.inspection import path_through, why_noisy
-from alight.view.layers import PICTURE, FilmLayers, Layers
+from alight.view.layers import PICTURE, FilmLayers, Layers, names_with
 from alight.view.live import LiveScene
 from alight.view.look import Look
 from alight.view.pose import FOCUS
@@ -100,6 +100,14 @@ class Session:
         return self.live.layers if self.live else self._still
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """The layers to choose from: of a scene those of its film, before it has samples too."""
+        if self.live:
+            return names_with(self.live.movable.compiled.program.aovs)
+        assert self._still is not None
+        return self._still.names
+
+    @property
     def film(self) -> Film | None:
         """The film whose layers are shown, if it is one."""
         layers = self.live.layers if self.live else self._still
@@ -139,15 +147,14 @@ class Session:
             What the painter adds: plain JSON.
         """
         layers, film, live = self.layers, self.film, self.live
-        names = layers.names if layers else (PICTURE,)
         found: dict[str, Any] = {
             "is": "state",
             "title": self.title,
             "kind": "scene" if live else "film" if film else "picture",
             "size": list(live.movable.window[2:] if live else layers.size if layers else (1, 1)),
             "problem": live.problem if live else "",
-            "layers": list(names),
-            "layer": self.look.layer if self.look.layer in names else PICTURE,
+            "layers": list(self.names),
+            "layer": self.look.layer if self.look.layer in self.names else PICTURE,
             "scale": None if scale is None else [_number(end) for end in scale],
             "exposure": self.look.display.exposure,
             "tone_map": self.look.display.tone_map,
@@ -239,7 +246,7 @@ class Session:
             self.look = replace(self.look, way=event.way)
         elif not isinstance(event, protocol.Show):
             raise RefusedError(f"{event.word}: this changes nothing that is shown")
-        elif self.layers and event.layer in self.layers.names:
+        elif event.layer in self.names:
             self.look = replace(self.look, layer=event.layer)
         else:
             raise RefusedError("layer: there is none of this name")

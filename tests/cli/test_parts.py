@@ -50,7 +50,7 @@ def test_a_missing_part_is_told_by_the_exit_code(folder, monkeypatch):
     monkeypatch.chdir(folder)
     done = alight("merge", part(1), part(3), "--spp", 8, "-o", "some.alight")
     assert done.exit_code == 2
-    held = "there are 5 samples per pixel, not 8; a cell holds the samples 0 to 1, 5 to 7"
+    held = "each pixel has 5 samples, not 8; a cell holds those numbered 0 to 1, 5 to 7"
     assert held in done.stderr
     assert not Path("some.alight").exists()
     twice = alight("merge", part(1), part(1), "-o", "some.alight")

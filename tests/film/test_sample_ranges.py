@@ -57,7 +57,7 @@ def test_impossible_ranges_are_refused(wrong):
 
 
 def test_text_names_the_last_sample():
-    assert str(SampleRanges([(0, 32), (64, 65)])) == "0 to 31, 64 to 64"
+    assert str(SampleRanges([(0, 32), (64, 65)])) == "0 to 31, 64"
     assert str(EMPTY) == "none"
 
 

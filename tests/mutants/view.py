@@ -135,6 +135,18 @@ VIEW = (
         "::test_the_command_gives_the_bits_of_edits_and_of_a_moved_camera",
     ),
     Mutant(
+        "the command of a picture whose file is another one by now",
+        "view/command.py",
+        (("if content_hash(now) != content_hash(origin.scene):", "if False:"),),
+        "tests/view/test_focus_and_command.py::test_a_file_that_has_changed_since_is_told",
+    ),
+    Mutant(
+        "layers to choose from are those of the coarse picture while the camera moves",
+        "view/session.py",
+        (("names_with(self.live.movable.compiled.program.aovs)", "self.live.layers.names"),),
+        "tests/view/test_session.py::test_layers_are_there_to_choose_while_the_camera_moves",
+    ),
+    Mutant(
         "counts of a growing film read after its picture",
         "view/layers.py",
         ((

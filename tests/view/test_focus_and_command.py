@@ -156,6 +156,17 @@ def test_what_no_command_says_is_told(viewed, monkeypatch):
     assert "save it first" in session.apply(protocol.AskCommand())["why"]
 
 
+def test_a_file_that_has_changed_since_is_told(tmp_path, viewed):
+    path = wall(tmp_path, "{translate: [0, 0, 3]}")
+    session = viewed(path)
+    text = path.read_text()
+    for other in (text.replace("radiance: 1", "radiance: 2"), text + "oops: 1", None):
+        path.unlink() if other is None else path.write_text(other)
+        assert "has changed since it was opened" in session.apply(protocol.AskCommand())["why"]
+    path.write_text(text)
+    assert "text" in session.apply(protocol.AskCommand())
+
+
 def test_the_command_asks_for_the_error_and_says_what_it_does_otherwise(viewed):
     session = viewed("cornell-box", spp=None, error=0.9, max_spp=16)
     settled(session)

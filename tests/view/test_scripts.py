@@ -112,10 +112,13 @@ def test_each_key_says_its_own_word(page):
     for key in ("w", "m", "Control+z"):
         page.keyboard.press(key)
     assert sent(page) == []
-    # Of a film there is no camera, and no region.
+    # Of a film there is no camera, no region, and no render to go on with or to end.
+    assert "orbit" in page.text_content("#keys")
     told(page, FILM)
+    assert not any(word in page.text_content("#keys") for word in ("orbit", "camera", "undo"))
     page.focus("#stage")
-    for key in ("w", "ArrowUp", "q", "[", "Home", "b", "g", "t"):
+    ends = ("m", "x", "Control+z", "Control+Shift+Z")
+    for key in ("w", "ArrowUp", "q", "[", "Home", "b", "g", "t", *ends):
         page.keyboard.press(key)
     assert sent(page) == []
     assert page.get_attribute("#select", "aria-pressed") != "true"
@@ -364,6 +367,16 @@ def test_the_command_is_that_of_the_picture(page):
         {"white_balance": "none"}, {"denoise": True},
     ):  # fmt: skip
         assert not shown(**change), json.dumps(change)
+    # An answer that comes after the picture has changed is that of the one before.
+    told(page, SCENE)
+    page.click("#saves >> text=Command")
+    told(page, SCENE | {"number": 9})
+    sent(page)
+    told(page, {"is": "command", "text": "alight render y", "notes": []})
+    assert not page.is_visible("#command")
+    assert sent(page) == [{"do": "command"}]
+    told(page, {"is": "command", "text": "alight render z", "notes": []})
+    assert page.input_value("#command") == "alight render z"
 
 
 def test_frames_are_drawn_where_they_belong(page):

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 import alight
-from alight.core.errors import OutputError
+from alight.core.errors import AlightError, OutputError
 from alight.options.view import ViewOptions
 from alight.view import editing, protocol
 from alight.view.layers import FileLayers, read_layers
 from alight.view.live import LiveScene, Wish
+from alight.view.movable import Movable
 from alight.view.opening import session_of
 from alight.view.protocol import RefusedError
 from alight.view.saving import save
@@ -289,6 +290,37 @@ def read_picture():
     from alight.outputs.picture import as_picture
 
     return as_picture(np.full((4, 5, 3), 0.5, np.float32))
+
+
+def test_of_scenes_that_wait_for_the_compiler_only_the_newest_is_compiled(session, monkeypatch):
+    begun, may_end = [], threading.Event()
+
+    def prepare(movable):
+        begun.append(movable.scene.bsdfs["white"].type)
+        may_end.wait(20.0)
+        raise AlightError("cannot be compiled")
+
+    settled(session)
+    monkeypatch.setattr(Movable, "prepare", prepare)
+    for name in ("mirror", "plastic", "conductor", "phong"):
+        session.live.change(alight.changed(session.live.scene, {"bsdfs.white": {"type": name}}))
+        wait_for(lambda: begun)
+    may_end.set()
+    wait_for(lambda: not session.live.prepares)
+    assert begun == ["mirror", "phong"]
+    assert session.live.problem == "cannot be compiled"
+
+
+def test_layers_are_there_to_choose_while_the_camera_moves(session):
+    """Only the coarse picture is there then, which has no others: it is shown in their place."""
+    settled(session)
+    session.live.layers = FileLayers(read_picture())
+    assert session.film is None
+    assert session.state(None, None)["layers"] == ["picture", "error", "samples"]
+    session.apply(protocol.Show("error"))
+    assert session.state(None, None)["layer"] == "error"
+    with pytest.raises(RefusedError, match="none of this name"):
+        session.apply(protocol.Show("albedo"))
 
 
 def test_named_cameras_are_looked_through():

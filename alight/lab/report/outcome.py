@@ -6,7 +6,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from alight.lab.report.page import write_report
+from alight.lab.report.page import PACKAGES, write_report
+from alight.lab.report.style import require_packages
 from alight.lab.results import CurveResult, SceneResult, StudyResult
 from alight.lab.run import run_study
 from alight.lab.study import Study
@@ -80,7 +81,8 @@ def study(name: Study | str | Path, options: StudyOptions) -> StudyReport:
     ------
     AlightError
         For a study that is wrong, an arm without noise, a reference with too much, or a full disk.
-        What was measured is kept, and the same call goes on from there.
+        What was measured is kept, and the same call goes on from there. Without the packages of
+        the report nothing is begun.
     KeyboardInterrupt
         The same call goes on from there.
 
@@ -93,6 +95,8 @@ def study(name: Study | str | Path, options: StudyOptions) -> StudyReport:
     folder = options.output or Path(
         f"study-{Path(description.name).stem}{'-quick' if options.quick else ''}"
     )
+    # Before hours of rendering rather than after them.
+    require_packages(*PACKAGES)
     result = run_study(
         description, folder, quick=options.quick, threads=options.threads,
         progress=options.progress, cluster=options,

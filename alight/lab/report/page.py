@@ -18,6 +18,9 @@ from alight.outputs.atomic import replacing
 
 _FOLDER = Path(__file__).resolve().parent
 
+#: What pages and their figures need, of the extra `lab`.
+PACKAGES = ("jinja2", "matplotlib")
+
 
 def write_report(result: StudyResult, folder: str | Path) -> Path:
     """Write ``report.html``, one self-contained file, and its numbers next to it.
@@ -58,7 +61,7 @@ def render_page(template: str, context: dict[str, Any]) -> str:
     OptionError
         If matplotlib or Jinja2 are not installed.
     """
-    require_packages("jinja2", "matplotlib")
+    require_packages(*PACKAGES)
     import jinja2
 
     environment = jinja2.Environment(
@@ -77,7 +80,7 @@ def study_context(result: StudyResult) -> dict[str, Any]:
     OptionError
         If matplotlib or Jinja2 are not installed.
     """
-    require_packages("jinja2", "matplotlib")
+    require_packages(*PACKAGES)
     seconds = [(name, number(value)) for name, value in result.seconds.items()]
     return {
         "study": result,

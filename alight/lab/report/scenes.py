@@ -85,11 +85,15 @@ def sentences(scene: SceneResult) -> list[str]:
             )
         else:
             found.append(f"No arm is more efficient than {named}.")
-        differing = [a.label for a, s in fair if s.significant]
-        found.append(
-            f"{len(differing)} of {len(fair)} arms differ significantly from {named} (5 % over all "
-            "arms, Holm)."
-        )
+        differing = sum(s.significant for _, s in fair)
+        if len(fair) == 1:
+            does = "differs" if differing else "does not differ"
+            found.append(f"{arm.label} {does} significantly from {named} (5 %).")
+        else:
+            found.append(
+                f"{differing} of {len(fair)} arms differ significantly from {named} (5 % over all "
+                "arms, Holm)."
+            )
     biased = [a.label for a in scene.arms if a.bias.verdict == BIASED]
     if biased:
         verb = "is" if len(biased) == 1 else "are"

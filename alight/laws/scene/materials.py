@@ -119,7 +119,7 @@ def sampling_findings(
         part,
         f"samples follow their density (chi-square), cosine {cosine:g}",
         p=density,
-        detail=f"the density integrates to {total:.4g}, {share:.4g} of the samples are smooth",
+        detail=f"the density integrates to {total:.4g}; share of samples with one: {share:.4g}",
     )
     yield Finding(part, f"mean weight is the integral of the value, cosine {cosine:g}", p=mean)
 

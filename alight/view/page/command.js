@@ -4,8 +4,11 @@ const $ = (id) => document.getElementById(id);
 
 export class Command {
   constructor(send) {
-    this.view = null;
-    this.ask = () => send("command");
+    this.view = this.asked = null;
+    this.ask = () => {
+      this.asked = this.view;
+      send("command");
+    };
     $("copy").addEventListener("click", () => this.copy());
   }
 
@@ -18,6 +21,8 @@ export class Command {
   }
 
   tell({ text, notes, why }) {
+    // The answer took its time, and the picture is another one by now.
+    if (this.asked !== this.view) return this.ask();
     $("of-command").hidden = false;
     $("command").hidden = $("copy").hidden = Boolean(why);
     $("command").value = text ?? "";

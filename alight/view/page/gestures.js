@@ -3,7 +3,7 @@
 const STEP = 0.06;
 
 // [key, words of the help, action]; the action is given `ui`, see main.js.
-export const KEYS = [
+const OF_SCENES = [
   ["w", "", (ui) => ui.fly(0, 0, STEP)],
   ["a", "", (ui) => ui.fly(-STEP, 0, 0)],
   ["s", "", (ui) => ui.fly(0, 0, -STEP)],
@@ -19,48 +19,66 @@ export const KEYS = [
   ["[", "", (ui) => ui.widen(-STEP)],
   ["]", "", (ui) => ui.widen(STEP)],
   ["Home", "reset the camera", (ui) => ui.reset()],
+  ["m", "twice the samples", (ui) => ui.send("more")],
+  ["x", "stop", (ui) => ui.send("stop")],
+  ["t", "trace a path of the clicked pixel", (ui) => ui.trace()],
+  ["b", "select a region by the next drag", (ui) => ui.arm()],
+  ["g", "focus by the next click", (ui) => ui.focus()],
+];
+
+const OF_ALL = [
   ["l", "next layer", (ui) => ui.nextLayer()],
   [",", "", (ui) => ui.expose(-0.5)],
   [".", "", (ui) => ui.expose(0.5)],
   ["c", "keep, or drop the kept picture", (ui) => ui.compare()],
-  ["m", "twice the samples", (ui) => ui.send("more")],
-  ["x", "stop", (ui) => ui.send("stop")],
   ["+", "", (ui) => ui.zoom(1.5)],
   ["-", "", (ui) => ui.zoom(1 / 1.5)],
   ["0", "", (ui) => ui.fit()],
-  ["t", "trace a path of the clicked pixel", (ui) => ui.trace()],
-  ["b", "select a region by the next drag", (ui) => ui.arm()],
-  ["g", "focus by the next click", (ui) => ui.focus()],
   ["p", "show or hide the panel", (ui) => ui.fold()],
 ];
 
-export const HELP = [
+const HELP_OF_SCENES = [
   ["drag", "orbit about what is under the pointer"],
   ["Shift or right drag", "pan"],
   ["wheel", "towards the pivot and back"],
   ["Alt drag", "select a region"],
   ["Ctrl wheel, + − 0", "zoom into the pixels, fit"],
-  ["click", "values of a pixel"],
   ["W A S D R F", "fly"],
   ["arrows", "orbit"],
   ["Q E", "roll"],
   ["[ ]", "field of view"],
-  [", .", "exposure"],
   ["Ctrl Z, Ctrl Shift Z", "undo, redo an edit"],
-  ...KEYS.filter(([, words]) => words).map(([key, words]) => [key.toUpperCase().replace("HOME", "Home"), words]),
 ];
 
+const HELP_OF_PICTURES = [
+  ["drag", "pan"],
+  ["wheel, + − 0", "zoom, fit"],
+];
+
+// The keys and gestures of a view, each with what it does.
+export function helpOf(isScene) {
+  const keys = isScene ? [...OF_SCENES, ...OF_ALL] : OF_ALL;
+  return [
+    ...(isScene ? HELP_OF_SCENES : HELP_OF_PICTURES),
+    ["click", "values of a pixel"],
+    [", .", "exposure"],
+    ...keys.filter(([, words]) => words).map(([key, words]) => [key.length === 1 ? key.toUpperCase() : key, words]),
+  ];
+}
+
 export function listenToKeys(ui) {
-  const actions = new Map(KEYS.map(([key, , action]) => [key, action]));
+  const actionsOf = (keys) => new Map(keys.map(([key, , action]) => [key, action]));
+  const ofScenes = actionsOf(OF_SCENES), ofAll = actionsOf(OF_ALL);
   document.addEventListener("keydown", (event) => {
     const typing = event.target.matches("input, select, textarea");
     if (!typing && (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
       event.preventDefault();
-      ui.send(event.shiftKey ? "redo" : "undo");
+      if (ui.isScene()) ui.send(event.shiftKey ? "redo" : "undo");
     }
     // Arrows in tabs and lists are theirs.
     if (event.defaultPrevented) return;
-    const action = actions.get(event.key.length === 1 ? event.key.toLowerCase() : event.key);
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const action = ofAll.get(key) ?? (ui.isScene() && ofScenes.get(key));
     if (!action || typing || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     action(ui);

@@ -62,10 +62,11 @@ const send = (word, keys) => connection.send(word, keys);
 const tree = new SceneTree(send), inspector = new Inspector(send, picture);
 const focus = new Focus(send), command = new Command(send);
 const gathered = new Gathered(send);
-const moves = (word, keys) => { if (state.kind === "scene") gathered.add(word, keys); };
+const moves = (word, keys) => { if (ui.isScene()) gathered.add(word, keys); };
 
 const ui = {
   send,
+  isScene: () => state.kind === "scene",
   orbit: (x, y) => moves("orbit", { x, y }),
   fly: (right, up, ahead) => moves("fly", { right, up, ahead }),
   roll: (by) => moves("roll", { by }),
@@ -78,19 +79,19 @@ const ui = {
   // What is under the pointer becomes the pivot.
   grab(x, y) {
     const pixel = picture.pixelAt(x, y);
-    if (pixel && state.kind === "scene") send("pivot", pixel);
+    if (pixel && ui.isScene()) send("pivot", pixel);
   },
   drag(dx, dy, pans) {
-    if (state.kind !== "scene") return picture.moveBy(dx, dy);
+    if (!ui.isScene()) return picture.moveBy(dx, dy);
     const height = picture.size[1] * picture.scale;
     moves(pans ? "pan" : "orbit", { x: dx / height, y: dy / height });
   },
   rest() {
     gathered.flush();
-    if (state.kind === "scene") send("rest");
+    if (ui.isScene()) send("rest");
   },
   wheel(by, event) {
-    if (state.kind !== "scene" || event.ctrlKey) {
+    if (!ui.isScene() || event.ctrlKey) {
       picture.zoomBy(Math.exp(2 * by), event.clientX, event.clientY);
     } else moves("dolly", { by });
   },
@@ -105,12 +106,12 @@ const ui = {
     send("pixel", pixel);
   },
   trace: () => inspector.trace(0),
-  focus() { if (state.kind === "scene") focus.arm(!focus.isArmed); },
-  isArmed: () => inspector.isArmed && state.kind === "scene",
-  arm() { if (state.kind === "scene") inspector.arm(!inspector.isArmed); },
+  focus: () => focus.arm(!focus.isArmed),
+  isArmed: () => inspector.isArmed && ui.isScene(),
+  arm: () => inspector.arm(!inspector.isArmed),
   select: (...box) => inspector.between(...box),
   selected: () => inspector.arm(false),
-  reset() { if (state.kind === "scene") send("camera", { name: state.camera }); },
+  reset: () => send("camera", { name: state.camera }),
   nextLayer() {
     const next = (state.layers.indexOf(state.layer) + 1) % state.layers.length;
     send("show", { layer: state.layers[next] });

@@ -1,6 +1,6 @@
 // What stands around the picture: the state that the server has sent, in words and figures.
 
-import { HELP } from "./gestures.js";
+import { helpOf } from "./gestures.js";
 
 const $ = (id) => document.getElementById(id);
 
@@ -40,7 +40,6 @@ function items(element, texts) {
 
 // `ask` asks for the command of the picture.
 export function makePanel(ask) {
-  list($("keys"), HELP);
   const saves = { scene: ["film.alight", "picture.exr", "picture.png", "scene.yaml"],
     film: ["film.alight", "picture.exr", "picture.png"], picture: ["picture.exr", "picture.png"] };
 
@@ -72,6 +71,7 @@ export function makePanel(ask) {
     showContrast(state);
     if ($("saves").dataset.kind !== state.kind) {
       $("saves").dataset.kind = state.kind;
+      list($("keys"), helpOf(state.kind === "scene"));
       $("saves").replaceChildren(...saves[state.kind].map(link));
       if (state.kind === "scene") $("saves").append(button("Command", ask));
     }

@@ -14,6 +14,7 @@ import pytest
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
+import alight
 from alight.core.errors import OptionError
 from alight.lab.report import style, tables, write_report
 from alight.lab.report.targets import check_target
@@ -184,6 +185,15 @@ def test_missing_packages_are_named_with_the_remedy_and_nothing_is_written(tmp_p
             check_target(tmp_path / name, (".html", ".png"))
             allowed.append(name)
     assert allowed == list(tmp_path.iterdir()) == []
+
+
+def test_a_study_whose_report_cannot_be_written_is_not_begun(tmp_path, monkeypatch):
+    import importlib.util
+
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(OptionError, match="jinja2 and matplotlib"):
+        alight.study("direct-light", quick=True, output=tmp_path / "out")
+    assert not list(tmp_path.iterdir())
 
 
 def test_looks_are_all_different_and_the_baseline_is_grey():
