@@ -71,10 +71,10 @@ def test_noise_of_a_lamps_image_is_that_of_its_formula():
     assert both == 0.0 and same == own
 
 
-def told(rare, left, shown, bright=5):
+def told(rare, left, shown, bright=5, own=1e9):
     one = Estimate(1.0, 0.5, 2.0)
     trial = Trial("a=b", one, Estimate(0.5, 0.4, 0.6), one, 1.0, bright)
-    return _told(trial, shown, left, rare)
+    return _told(trial, (own, shown), left, rare)
 
 
 def test_light_that_an_alternative_looks_for_is_advice():
@@ -84,6 +84,16 @@ def test_light_that_an_alternative_looks_for_is_advice():
     assert trial_data(found)["at_least"] == found.at_least
     (line,) = trial_lines([found], [])
     assert line.startswith("advice: --set a=b  efficiency x 10 or more")
+
+
+def test_light_that_no_sample_has_met_is_advice_too():
+    """The scene as it is seems to be quiet beyond doubt: its trial has not met that light."""
+    quiet = told(rare=100.0, left=0.0, shown=2.0, bright=0, own=1.0)
+    assert quiet.at_least == pytest.approx(100.0 / 2.0 * 0.5) and quiet.helps
+    (line,) = trial_lines([quiet], [])
+    assert "as hardly a sample has met the light of most noise" in line
+    (line,) = list(trial_lines([told(100.0, 0.0, 90.0, bright=0, own=1.0)], []))[1:]
+    assert "unknown, as hardly a sample" in line
 
 
 @pytest.mark.parametrize(

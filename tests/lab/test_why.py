@@ -286,11 +286,14 @@ def test_advice_is_corrected_over_all_that_was_tried(monkeypatch):
         raw.append(log_ratio(here[0] + here[1], there[0] + there[1], paired=True).p_value)
         return [here, there], [many, many]
 
-    changes = dict.fromkeys("abcde")
+    changes = dict.fromkeys("abcde", SimpleNamespace(integrator=None))
     monkeypatch.setattr(trials, "alternatives", lambda scene, cause: changes)
     monkeypatch.setattr(
-        trials, "_sums_of", lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)))
+        trials,
+        "_sums_of",
+        lambda scene: SimpleNamespace(of=lambda *_: np.ones((1, 1, 1)), scene=None),
     )
+    monkeypatch.setattr(trials, "rare_noises", lambda *_: [0.0] * (1 + len(changes)))
     monkeypatch.setattr(trials, "_measured", measured)
     tried, left = try_alternatives(alight.load(SCENE))
     assert not left

@@ -27,14 +27,20 @@ LABORATORY = (
     Mutant(
         "advice in spite of noise that the alternative shows itself",
         "lab/why/trials.py",
-        (("rare / (noise + left)", "rare / (1e-9 + left)"),),
+        (("rare / (other + left)", "rare / (1e-9 + left)"),),
         f"{RARE}::test_other_light_is_none",
     ),
     Mutant(
         "advice by light that the alternative leaves to chance as well",
         "lab/why/trials.py",
-        (("rare / (noise + left)", "rare / (1e-9 + noise)"),),
+        (("rare / (other + left)", "rare / (1e-9 + other)"),),
         f"{RARE}::test_other_light_is_none",
+    ),
+    Mutant(
+        "trusted trials that have not met the light",
+        "lab/why/trials.py",
+        (("not (trial.bright or rare > own)", "not trial.bright"),),
+        f"{RARE}::test_light_that_no_sample_has_met_is_advice_too",
     ),
     Mutant(
         "rare light as noisy as if every sample met it",

@@ -1,10 +1,10 @@
 r"""What trials leave open because they have met too little of the light.
 
 Where a few bright samples carry the noise of two pictures, chance decides which of them seems to be
-quieter. But the pilot of a promise (`alight.rendering.rare_light`) knows such light: how bright
-samples are that have found it, and how often the scene as it is finds it. That is noise u, in
-whatever trial. An alternative that shows the noise v, and leaves the part u' of that light to
-chance as well, is
+quieter; and a picture that has met none of them seems to be quiet beyond doubt. But the pilot of a
+promise (`alight.rendering.rare_light`) knows such light: how bright samples are that have found it,
+and how often the scene as it is finds it. That is noise u, in whatever trial. An alternative that
+shows the noise v, and leaves the part u' of that light to chance as well, is
 
 .. math:: \frac{u\, t}{(v + u')\, t'}
 

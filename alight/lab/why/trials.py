@@ -67,8 +67,8 @@ class Trial:
         Samples that carry the noise of both, where they are too few to tell; else 0. The intervals
         do not know of those that were not met.
     at_least : float
-        Efficiency by what paths from the lamps know of such light, where samples are too few; NaN
-        elsewhere.
+        Efficiency by what paths from the lamps know, where samples have met too little of their
+        light; NaN elsewhere.
     """
 
     change: str
@@ -80,14 +80,19 @@ class Trial:
     at_least: float = math.nan
 
     @property
+    def told_by_lamps(self) -> bool:
+        """Whether paths from the lamps tell that it is better."""
+        return self.at_least >= CLEAR
+
+    @property
     def helps(self) -> bool:
         """Whether it was measured to be better, or paths from the lamps tell."""
-        return (self.efficiency.value > 1.0 and self.p_value < LEVEL) or self.at_least >= CLEAR
+        return (self.efficiency.value > 1.0 and self.p_value < LEVEL) or self.told_by_lamps
 
     @property
     def worth(self) -> float:
         """The efficiency that is known best."""
-        return self.efficiency.value if math.isnan(self.at_least) else self.at_least
+        return self.at_least if self.told_by_lamps else self.efficiency.value
 
 
 #: The choice that is one of the others, by itself.
@@ -216,7 +221,7 @@ def try_alternatives(
     found: list[tuple[str, Ratio, Ratio, Ratio, list[Squares]]] = []
     left = []
     met: list[Squares] = []
-    noises: list[float] = []
+    noises: list[tuple[float, float]] = []
     others = alternatives(scene, cause)
     for change, other in others.items():
         if time.perf_counter() - begin > limit:
@@ -225,7 +230,7 @@ def try_alternatives(
         progress(change)
         (here, there), (of_own, of_other) = _measured((own, _sums_of(other)), weights, seeds)
         met += of_own
-        noises.append(SPP * math.exp(there[0].value))
+        noises.append((SPP * math.exp(here[0].value), SPP * math.exp(there[0].value)))
         variance = log_ratio(here[0], there[0])
         # Times of one batch are taken back to back, so that they share the machine's load.
         seconds = log_ratio(here[1], there[1], paired=True)
@@ -245,28 +250,28 @@ def try_alternatives(
             found, doubts, p_values, strict=True
         )
     ]  # fmt: skip
-    if any(trial.bright for trial in trials):
-        progress("light that few samples have met")
-        known = [others[trial.change].integrator for trial in trials]
-        rare = rare_noises(_small(scene), own.scene, known, weights)
-        trials = [_told(*one, rare[0]) for one in zip(trials, noises, rare[1:], strict=True)]
+    progress("light that few samples have met")
+    known = [others[trial.change].integrator for trial in trials]
+    rare = rare_noises(_small(scene), own.scene, known, weights)
+    trials = [_told(*one, rare[0]) for one in zip(trials, noises, rare[1:], strict=True)]
     return tuple(sorted(trials, key=lambda trial: -trial.worth)), tuple(left)
 
 
-def _told(trial: Trial, noise: float, left: float, rare: float) -> Trial:
-    """A trial that few samples leave open, by what paths from the lamps know.
+def _told(trial: Trial, noises: tuple[float, float], left: float, rare: float) -> Trial:
+    """A trial by what paths from the lamps know, where samples have met too little of their light.
 
     Parameters
     ----------
     trial : Trial
-    noise, left : float
-        Variance of a sample of the alternative, and that by light that it leaves to chance.
-    rare : float
-        Of the scene as it is.
+    noises : tuple of float
+        Variance of a sample of the scene as it is and of the alternative, as the trial shows it.
+    left, rare : float
+        By light that the alternative, and the scene as it is, leave to chance.
     """
-    if not trial.bright or noise + left <= 0.0:
+    own, other = noises
+    if other + left <= 0.0 or not (trial.bright or rare > own):
         return trial
-    return replace(trial, at_least=rare / (noise + left) * trial.time.value)
+    return replace(trial, at_least=rare / (other + left) * trial.time.value)
 
 
 class FilmSums:

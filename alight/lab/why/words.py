@@ -90,13 +90,13 @@ def trial_lines(trials: Sequence[Trial], left: Sequence[str]) -> Iterator[str]:
 def _figures(trial: Trial) -> str:
     value, low, high = trial.efficiency
     variance, least, most = trial.variance
-    if trial.bright:
-        n = trial.bright
-        few = "a bright sample carries" if n == 1 else f"{n} bright samples carry"
-        if trial.helps:
-            worth = f"efficiency x {trial.at_least:.2g} or more by paths from the lamps"
-            return f"{worth}, as {few} the noise"
-        return f"unknown, as {few} the noise"
+    n = trial.bright
+    few = "a bright sample carries" if n == 1 else f"{n} bright samples carry"
+    reason = f"{few} the noise" if n else "hardly a sample has met the light of most noise"
+    if trial.told_by_lamps:
+        return f"efficiency x {trial.at_least:.2g} or more by paths from the lamps, as {reason}"
+    if not trial.helps and (n or not math.isnan(trial.at_least)):
+        return f"unknown, as {reason}"
     return (
         f"variance / {variance:.3g} [{least:.3g}, {most:.3g}], "
         f"efficiency x {value:.3g} [{low:.3g}, {high:.3g}], corrected p = {trial.p_value:.2g}"
