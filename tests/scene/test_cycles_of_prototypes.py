@@ -26,12 +26,26 @@ def scene_of(uses):
     return {"alight": 1, "camera": camera, "prototypes": prototypes, "nodes": nodes}
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_a_cycle_is_found_wherever_it_leads(seed):
-    rng = np.random.default_rng(seed)
-    matrix = rng.random((5, 5)) < 0.25
-    uses = {n: [m for m, has in zip(NAMES, row, strict=True) if has]
-            for n, row in zip(NAMES, matrix, strict=True)}  # fmt: skip
+def random_uses(seed):
+    matrix = np.random.default_rng(seed).random((5, 5)) < 0.25
+    return {
+        name: "".join(itertools.compress(NAMES, row))
+        for name, row in zip(NAMES, matrix, strict=True)
+    }
+
+
+def only(**uses):
+    return dict.fromkeys(NAMES, "") | uses
+
+
+@pytest.mark.parametrize(
+    "uses",
+    # Of two uses only the first, or only the second, leads back.
+    [only(a="cb", c="a"), only(a="bc", c="a"), *map(random_uses, range(12))],
+    ids=lambda uses: ",".join(map("".join, uses.items())),
+)
+def test_a_cycle_is_found_wherever_it_leads(uses):
+    matrix = np.array([[m in uses[n] for m in NAMES] for n in NAMES])
     # A way of five steps exists only if one of the five comes twice.
     is_cyclic = bool(np.linalg.matrix_power(matrix.astype(int), 5).any())
     try:
