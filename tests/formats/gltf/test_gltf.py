@@ -30,6 +30,7 @@ def test_everything_is_read_or_listed(tmp_path):
     remarks = scene.source.remarks
     assert dict(remarks.read) == {
         "meshes": 3, "pictures": 2, "materials": 3, "cameras": 2, "lights": 3, "nodes": 8,
+        "animations": 1,
     }  # fmt: skip
     said = "\n".join((*remarks.notes, *remarks.warnings))
     for word in ("ACME_hats", "ACME_glitter", "occlusionTexture", "animations", "range",
