@@ -16,18 +16,21 @@ from numba.extending import intrinsic
 from lanewise.instructions import PRIMITIVES
 
 
-def _extremum(better):
+def _extremum(function, better):
     """Python's `max` (operator.gt) or `min` (operator.lt), NaN included: the first of equals."""
 
     def one_of(typing, *numbers):
-        kinds = tuple(map(types.unliteral, numbers))
+        kinds = _listed(numbers)
         if len(kinds) < 2 or not all(isinstance(k, types.Number | types.Boolean) for k in kinds):
             return None
-        result = typing.unify_types(*kinds)
-        return result and (result(types.StarArgTuple(kinds)), codegen)
+        result = typing.unify_types(*map(types.unliteral, kinds))
+        return result and (result(types.StarArgTuple(numbers)), codegen)
 
     def codegen(context, builder, sig, args):
-        (kinds,), (values,), result = sig.args, args, sig.return_type
+        (given,), (values,), result = sig.args, args, sig.return_type
+        kinds = _listed(given)
+        if len(given) == 1:
+            values = builder.extract_value(values, 0)
         numbers = [
             context.cast(builder, builder.extract_value(values, at), kind, result)
             for at, kind in enumerate(kinds)
@@ -39,8 +42,16 @@ def _extremum(better):
 
         return reduce(choose, numbers)
 
-    return intrinsic(one_of)
+    # Messages call it so.
+    one_of.__name__ = function.__name__
+    PRIMITIVES[function] = intrinsic(one_of)
 
 
-PRIMITIVES[max] = _extremum(operator.gt)
-PRIMITIVES[min] = _extremum(operator.lt)
+def _listed(numbers):
+    """The types of what is compared: of all arguments, or of a tuple, if that is the only one."""
+    only = numbers[0] if len(numbers) == 1 else None
+    return tuple(only) if isinstance(only, types.BaseTuple) else tuple(numbers)
+
+
+_extremum(max, operator.gt)
+_extremum(min, operator.lt)

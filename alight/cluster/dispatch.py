@@ -107,6 +107,8 @@ class Dispatcher:
         self._looked, self._seen = -_LOOK, time.perf_counter()
         self._issues: dict[int, Issue] = {}
         self._fetchers = ThreadPoolExecutor(_FETCHERS)
+        # A scene that takes its time keeps no answer waiting.
+        self._carriers = ThreadPoolExecutor(_FETCHERS)
 
     def open(self) -> None:
         """Wait for a worker, and give all of them what tasks share.
@@ -151,7 +153,8 @@ class Dispatcher:
 
     def close(self) -> None:
         """Let the workers forget what tasks shared, if they were given it."""
-        self._fetchers.shutdown(wait=False, cancel_futures=True)
+        for threads in (self._fetchers, self._carriers):
+            threads.shutdown(wait=False, cancel_futures=True)
         if not self._shares:
             return
         with suppress(Exception):
@@ -254,7 +257,7 @@ class Dispatcher:
     def _lacks(self, worker: str) -> None:
         if worker not in self._lacking:
             self._lacking.add(worker)
-            self._fetchers.submit(self._bring, worker)
+            self._carriers.submit(self._bring, worker)
 
     def _bring(self, worker: str) -> None:
         """Give one worker what tasks share; it gets no tasks meanwhile."""

@@ -5,6 +5,7 @@ What reads a format is imported with the first file of that format: most renders
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
@@ -97,6 +98,14 @@ READERS = {
     ".mtlx": Reader(_parse_materialx, choices=("variant",)),
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _USD),
 }
+
+
+def choices_of(scene: object) -> tuple[str, ...]:
+    """What can be chosen of a scene's file: fields of `Shown`; nothing of what is no such file."""
+    if not isinstance(scene, str | os.PathLike):
+        return ()
+    reader = READERS.get(Path(scene).suffix.lower())
+    return reader.choices if reader else ()
 
 
 def read_model(

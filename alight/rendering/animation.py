@@ -34,6 +34,7 @@ from alight.core.version import VERSION
 from alight.films import Film
 from alight.films.denoising import denoise
 from alight.films.storage import is_film_file
+from alight.formats.readers import choices_of
 from alight.options.animation import AnimationOptions
 from alight.options.device import GPU
 from alight.options.entry import takes
@@ -152,7 +153,7 @@ class Animation:
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
         single = options.of_frame(())
-        if single.animation is not None and single.at is None and not options.turntable:
+        if single.animation is not None and single.at is None and "animation" in choices_of(scene):
             single = single.changed(at=0.0)
         self.prepared = prepare(scene, single)
         asked = [name for name in single.aovs if name not in single.layers_of_background]

@@ -236,7 +236,7 @@ def test_cells_at_the_edge_are_smaller():
 
 
 @pytest.mark.parametrize(
-    ("pixels", "renders"), [(1, 12_000), (2, 6_000), (3, 5_000), (5, 4_000), (20, 1_000)]
+    ("pixels", "renders"), [(1, 200_000), (2, 6_000), (3, 5_000), (5, 4_000), (20, 1_000)]
 )
 def test_looks_without_end_are_wrong_no_more_often_than_one_promises(pixels, renders):
     """Renders by sums of normal noise, whose relMSE over the estimate is F(pixels, 3 pixels)."""
@@ -247,12 +247,13 @@ def test_looks_without_end_are_wrong_no_more_often_than_one_promises(pixels, ren
     oracle = np.exp(rng.uniform(math.log(256.0), math.log(512.0), renders))
     middle = stats.f.ppf(stats.norm.cdf([-1.0, 1.0]), pixels, 3 * pixels)
     deviation = 0.25 * math.log(middle[1] / middle[0])
-    confidences, sums, held = (0.5, 0.8, 0.95, 0.99), np.zeros((renders, pixels, 4)), 0
+    confidences, held = (0.5, 0.8, 0.95, 0.99, 0.999), 0
+    sums = np.zeros((renders, pixels, 4))
     bounds = [
         stats.f.isf(look_doubt(1.0 - confidence, deviation), pixels, 3 * pixels)
         for confidence in confidences
     ]
-    ended, wrong = np.zeros((2, 4, renders), bool)
+    ended, wrong = np.zeros((2, len(confidences), renders), bool)
     for n in spp:
         sums += rng.standard_normal(sums.shape) * math.sqrt(n - held)
         held = n
@@ -276,7 +277,9 @@ def test_a_look_may_be_as_wrong_as_the_promise_unless_errors_deviate(doubt):
     for deviation in (0.0, 0.1, WHOLE_DOUBT):
         assert look_doubt(doubt, deviation) == doubt
     for deviation in (0.5, 1.07, 5.0, 150.0):
-        assert look_doubt(doubt, deviation) == pytest.approx(doubt * WHOLE_DOUBT / deviation)
+        assert look_doubt(doubt, deviation) == pytest.approx(
+            doubt * (WHOLE_DOUBT / deviation) ** 1.25
+        )
 
 
 @pytest.mark.parametrize("confidence", [0.5, 0.8, 0.95, 0.999])
@@ -304,7 +307,7 @@ def test_a_share_of_the_pixels_is_promised_with_the_confidence_that_is_asked_for
 
 
 def test_a_look_at_one_noisy_pixel_asks_for_more():
-    """Its relRMSE deviates by the root of F(1, 3): by more than half of the doubt is enough for."""
+    """Its relRMSE deviates by the root of F(1, 3): by more than the whole doubt is enough for."""
     means = np.ones((8, 8, 4, 3), np.float32)
     means[3, 4] += np.float32([0.1, -0.1, 0.02, -0.06])[:, None]
     counts, promise = np.full((8, 8, 4), 4), Promise(0.5)

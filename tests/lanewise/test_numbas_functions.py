@@ -10,10 +10,10 @@ from numba.extending import overload
 
 from lanewise.application import variable
 from lanewise.jit import dispatcher_of, instantiate, kernel
-from lanewise.numba_adapter import object_code
+from lanewise.numba_adapter import TypingError, object_code
 from lanewise.view import View
 
-PLACES = 9
+PLACES = 11
 
 
 @kernel
@@ -23,6 +23,7 @@ def write_extremes(out, x, k):
     out[4], out[5] = max(k[0], k[1]), min(k[0], 3)
     out[6], out[7] = max(k[1], x[0]), min(x[0] > x[1], k[0] > k[1])
     out[8] = max(x[0], 2.5, x[2])
+    out[9], out[10] = max((x[0], x[1], 2.5)), min((x[2], x[1]))
 
 
 def llvm_of(root, *arguments):
@@ -49,6 +50,18 @@ def test_extremes_are_pythons_nan_and_signed_zeros_included(extremes, k):
         np.testing.assert_array_equal(compiled, twin, err_msg=str((x, k)))
         signs = ~np.isnan(twin)
         np.testing.assert_array_equal(np.signbit(compiled)[signs], np.signbit(twin)[signs])
+
+
+@kernel
+def write_extreme_of_one(out, x, k):
+    out[0] = max(x[0])
+
+
+def test_one_number_has_no_extreme(tmp_path, monkeypatch):
+    monkeypatch.setenv(variable("CACHE"), str(tmp_path))
+    out = View(np.zeros(1, np.float32))
+    with pytest.raises(TypingError, match=r"max\(float32\)"):
+        llvm_of(write_extreme_of_one, out, out, out)
 
 
 def test_extremes_are_no_functions_of_numba(tmp_path, monkeypatch):

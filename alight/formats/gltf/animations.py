@@ -68,7 +68,8 @@ def pose(document: Document, shown: Shown) -> None:
         text = f"must be a number of seconds, got {shown.at}"
         raise SceneError([Issue("--at", text, document.root.name)])
     if not animations:
-        raise SceneError([Issue("--at", "the file has no animations", document.root.name)])
+        asked = "--at" if shown.animation is None else "--animation"
+        raise SceneError([Issue(asked, "the file has no animations", document.root.name)])
     index = 0
     if shown.animation is not None:
         name = shown.animation

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
+from weakref import WeakMethod
 
 import numpy as np
 
@@ -61,7 +62,8 @@ class Evaluator:
     def __init__(self, host: Host) -> None:
         self.host = host
         self.sets: list[str] = []
-        self.places = Places(host.coordinates, host.set_name, self.value)
+        # In a cycle the host's stage would outlive its reader, and another one might be open then.
+        self.places = Places(host.coordinates, host.set_name, WeakMethod(self.value))
         self._known: dict[tuple[int, str], Value] = {}
         self._open: list[Node] = []
         self._computed = 0

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+from weakref import WeakMethod
 
 import numpy as np
 
@@ -85,7 +86,7 @@ class Places:
         Name of the set where a network gives none.
     named : callable
         From the index of a set to its name.
-    value : callable
+    value : weakref.WeakMethod
         Evaluates an input that is no coordinates.
     """
 
@@ -93,7 +94,7 @@ class Places:
         self,
         default: str,
         named: Callable[[int], str],
-        value: Callable[[Node, str, Any], Value],
+        value: WeakMethod[Callable[[Node, str, Any], Value]],
     ) -> None:
         self.default = default
         self.named = named
@@ -141,7 +142,9 @@ class Places:
 
     def numbers(self, node: Node, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
         """The same numbers everywhere that an input has."""
-        value = self._value(node, name, default)
+        evaluate = self._value()
+        assert evaluate is not None
+        value = evaluate(node, name, default)
         if not isinstance(value, Plain):
             raise NoPlaceError(f"depend on {name}, which varies")
         return value.numbers

@@ -49,22 +49,31 @@ def fitted(before: Scene, after: Scene, framed: Bounds | None) -> Scene:
 def as_made_up_for(first: Scene, later: Scene) -> Scene:
     """Keep what was made up for the first frame of an animation: it would jump with each pose.
 
+    Whether there is light enough is that frame's to say, too.
+
     Parameters
     ----------
     first, later : Scene
         Of one file, at two times.
     """
-    texts = first.source.remarks.warnings
-    held = {key for key, text in first.source.remarks.assumed if text in texts}
+    held = _made_up(first) | _made_up(later)
     parts: dict[str, Any] = {}
     if "camera.transform" in held:
         parts["camera"] = first.camera
     if "environment.file" in held:
+        floors = {name: node for name, node in first.nodes.items() if is_floor(node.bsdf)}
         parts["environment"] = first.environment
-    floors = {name: node for name, node in first.nodes.items() if is_floor(node.bsdf)}
-    if floors:
-        parts["nodes"] = {**later.nodes, **floors}
-    return later.replaced(**parts).from_source(later.source) if parts else later
+        parts["nodes"] = {**without_floor(later).nodes, **floors}
+    remarks, gone = later.source.remarks, set(_made_up(later).values())
+    warnings = (*_made_up(first).values(), *(t for t in remarks.warnings if t not in gone))
+    remarks = replace(remarks, warnings=warnings, assumed=first.source.remarks.assumed)
+    return later.replaced(**parts).from_source(replace(later.source, remarks=remarks))
+
+
+def _made_up(scene: Scene) -> dict[str, str]:
+    """Key path -> warning, of what is still as the reader chose it."""
+    remarks = scene.source.remarks
+    return {key: text for key, text in remarks.assumed if text in remarks.warnings}
 
 
 def without_floor(scene: Scene) -> Scene:

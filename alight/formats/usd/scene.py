@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 from alight.core.errors import Issue, SceneError, show_value
 from alight.formats.reading.reach import Reach
 from alight.formats.reading.report import Report
@@ -9,6 +11,10 @@ from alight.formats.scenes.parsed import Parsed
 from alight.formats.usd.graph import Graph
 from alight.formats.usd.modules import Tf
 from alight.formats.usd.stage import first_line, open_stage, to_world, world_matrix
+
+#: Layers are the process's, whoever has opened them: a stage must be gone before the next one opens
+#: its layers again. So nothing of the reader may hold it in a cycle.
+_ONE_AT_A_TIME = threading.Lock()
 
 
 def parse(
@@ -36,9 +42,13 @@ def parse(
     SceneError
         If the file is no scene at all.
     """
-    report = Report(lenient)
+    with _ONE_AT_A_TIME:
+        return _parsed(name, reach or Reach(), at, Report(lenient))
+
+
+def _parsed(name: str, reach: Reach, at: float | None, report: Report) -> Parsed:
     try:
-        stage = open_stage(name, reach or Reach(), report, at)
+        stage = open_stage(name, reach, report, at)
         steps = to_world(stage)
         graph = Graph(stage, world_matrix(steps))
         graph.build(steps)

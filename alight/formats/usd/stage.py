@@ -227,12 +227,13 @@ def open_stage(name: str, reach: Reach, report: Report, at: float | None = None)
 
 def _time(stage: Any, name: str, report: Report, at: float | None) -> Any:
     """The time code that is shown: `at` seconds after the first one."""
-    if at is None and not stage.HasAuthoredTimeCodeRange():
-        return Usd.TimeCode.EarliestTime()
     start = float(_metadata(stage, "startTimeCode", 0.0))
     moves = _metadata(stage, "endTimeCode", start) > start
-    if moves:
+    # A stage that does not say when it ends is played by whoever asks for a time of it.
+    if moves or (at is not None and not stage.HasAuthoredTimeCodeRange()):
         report.count("animations")
+    if at is None and not stage.HasAuthoredTimeCodeRange():
+        return Usd.TimeCode.EarliestTime()
     if at is None:
         if moves:
             report.drop(

@@ -10,9 +10,10 @@ The law behind the doubt of one look is that of sums of normal noise, in whose p
 relMSE over the estimate is F(nu, (R - 1) nu). Of renders that end at their first look with
 :math:`\hat e^2 F_{1-p} \le a^2`, the part with :math:`e^2 > a^2` is at most p from nu = 5 on, at
 any confidence, and grows with the deviation sigma of log(relRMSE) where fewer pixels carry the
-error: to 1.1, 1.4 and 2.9 p at nu = 3, 2 and 1 (sigma = 0.52, 0.66 and 1.07). So every look may be
-wrong with the whole doubt of the promise up to :math:`\sigma = 0.35`, and with 0.35 / sigma of it
-beyond that. `tests/known_error/test_laws_of_promises.py` walks such renders.
+error: to 1.1, 1.3 and 2.2 p at nu = 3, 2 and 1 (sigma = 0.52, 0.66 and 1.07) at 95 %, and to 3.9 p
+at nu = 1 and 99.9 %. So every look may be wrong with the whole doubt of the promise up to
+:math:`\sigma = 0.35`, and with :math:`(0.35 / \sigma)^{5/4}` of it beyond that.
+`tests/known_error/test_laws_of_promises.py` walks such renders.
 
 Under the metric "pixel" a look is wrong if fewer of the pixels than estimated happen to be within
 the error; that may have half of the doubt.
@@ -153,7 +154,7 @@ def look_doubt(doubt: float, deviation: float) -> float:
     deviation : float
         Of the logarithm of the estimated relRMSE.
     """
-    return doubt * min(1.0, WHOLE_DOUBT / max(deviation, WHOLE_DOUBT))
+    return doubt * (WHOLE_DOUBT / max(deviation, WHOLE_DOUBT)) ** 1.25
 
 
 def first_look(replicates: int) -> int:

@@ -358,7 +358,7 @@ def looks() -> dict[str, Any]:
         answers.append(described(cycles.cycles_error(means, counts)))
         found[name] = answers
     found["doubts"] = [
-        stopping.look_doubt(c, d) for c in (0.5, 0.95, 0.999) for d in (0.0, 0.7, 0.9, 2.0)
+        stopping.look_doubt(c, d) for c in (0.5, 0.05, 0.001) for d in (0.0, 0.7, 0.9, 2.0)
     ]
     found["steps"] = [
         [stopping.first_look(r) for r in (1, 4, 5, 16, 40)],
