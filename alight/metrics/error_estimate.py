@@ -53,13 +53,12 @@ class Figure(NamedTuple):
         if self.value == 0.0:
             return 0.0
         errors = f_quantile(p, self.freedom, (self.replicates - 1) * self.freedom)
-        upper, spread = p >= 0.5, math.log(max(errors, 1e-300))
-        if upper:
-            # The median of F is below 1, which is no doubt.
-            spread = max(spread, 0.0)
+        upper = p >= 0.5
         brightness = self.brightness + (self.rise if upper else 0.0)
         # All parts are independent; their logarithms add up as deviations do.
-        doubt = math.hypot(spread, _NORMAL.inv_cdf(p) * math.sqrt(brightness))
+        doubt = math.hypot(
+            math.log(max(errors, 1e-300)), _NORMAL.inv_cdf(p) * math.sqrt(brightness)
+        )
         if upper:
             return self.value * math.exp(min(doubt, 600.0))
         return self.value * self.lowest * math.exp(-doubt)
