@@ -277,9 +277,8 @@ def test_a_look_may_be_as_wrong_as_the_promise_unless_errors_deviate(doubt):
     for deviation in (0.0, 0.1, WHOLE_DOUBT):
         assert look_doubt(doubt, deviation) == doubt
     for deviation in (0.5, 1.07, 5.0, 150.0):
-        assert look_doubt(doubt, deviation) == pytest.approx(
-            doubt * (WHOLE_DOUBT / deviation) ** 1.25
-        )
+        wanted = doubt * (WHOLE_DOUBT / deviation) ** 1.25
+        assert look_doubt(doubt, deviation) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("confidence", [0.5, 0.8, 0.95, 0.999])
