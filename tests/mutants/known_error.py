@@ -247,7 +247,7 @@ KNOWN_ERROR = (
     Mutant(
         "twice the doubt at every look",
         "rendering/schedules/stopping.py",
-        (("return doubt * min(", "return 2.0 * doubt * min("),),
+        (("return doubt * (WHOLE_DOUBT", "return 2.0 * doubt * (WHOLE_DOUBT"),),
         "tests/known_error/test_laws_of_promises.py"
         "::test_looks_without_end_are_wrong_no_more_often_than_one_promises",
     ),

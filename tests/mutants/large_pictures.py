@@ -1,4 +1,4 @@
-"""Bugs of what machine code adds up of large pictures, and of pictures at the edges."""
+"""Bugs of what machine code adds up of large pictures, and of pictures and looks at the edges."""
 
 from tests.mutants.mutant import Mutant
 
@@ -69,5 +69,12 @@ LARGE_PICTURES = (
         "metrics/packets.py",
         (("0 if uniform else w", "0"),),
         LARGE,
+    ),
+    Mutant(
+        "a look at one pixel is as sure as it need be at 95 %, and not beyond",
+        "rendering/schedules/stopping.py",
+        ((") ** 1.25", ")"),),
+        "tests/known_error/test_laws_of_promises.py"
+        "::test_looks_without_end_are_wrong_no_more_often_than_one_promises",
     ),
 )

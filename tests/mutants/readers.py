@@ -334,4 +334,10 @@ READERS = (
         (("[:, [0, 2, 1]] * [1.0, 1.0, -1.0]", "[:, [0, 2, 1]] * [1.0, -1.0, 1.0]"),),
         f"{DOMES}::test_a_dome_stands_as_its_prim_does",
     ),
+    Mutant(
+        "a stage that is read outlives its reader",
+        "formats/materialx/evaluate.py",
+        (("WeakMethod(self.value))", "lambda: self.value)"),),
+        "tests/formats/test_frames.py::test_no_stage_is_left_when_its_layers_are_opened_again",
+    ),
 )
