@@ -235,7 +235,7 @@ class Dispatcher:
         """Whether nothing can be expected from the cluster any more."""
         self._look()
         if self._threads and not self.threads and not self.workers:
-            raise AlightError("no worker gives this machine's bits\n" + "\n".join(
+            raise AlightError("every worker is refused\n" + "\n".join(
                 f"  {worker}: {why}" for worker, why in self.refused.items()
             ))  # fmt: skip
         lost = time.perf_counter() - self._seen > self._patience.cluster
