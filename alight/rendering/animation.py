@@ -153,7 +153,9 @@ class Animation:
         self.patterns = [path for path in paths if not moving.is_moving(path)]
         self._check()
         single = options.of_frame(())
-        if single.animation is not None and single.at is None and "animation" in choices_of(scene):
+        chosen = single.animation is not None and not options.turntable
+        if chosen and single.at is None and "animation" in choices_of(scene):
+            # At rest a file is of none of its animations.
             single = single.changed(at=0.0)
         self.prepared = prepare(scene, single)
         asked = [name for name in single.aovs if name not in single.layers_of_background]

@@ -63,6 +63,11 @@ def test_one_of_several_animations_is_played(sliding):
     assert places == pytest.approx([4.0, 2.0])
 
 
+def test_a_turntable_plays_nothing(sliding):
+    with pytest.raises(SceneError, match="--at SECONDS is a time of; give it, too"):
+        frames(sliding, "0:9", animation="0", turntable=True)
+
+
 def test_what_was_made_up_stays_where_it_is(sliding):
     """A camera and a floor that are placed for each pose would jump with it."""
     made = frames(sliding, "0:9")
