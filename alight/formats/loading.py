@@ -163,6 +163,16 @@ def load(
 def load_again(how: Recipe) -> Scene:
     """Load a scene as it was loaded before, or with the recipe changed.
 
+    Parameters
+    ----------
+    how : Recipe
+        Of `Source.recipe`.
+
+    Returns
+    -------
+    Scene
+        Without what was changed in Python afterwards.
+
     Raises
     ------
     SceneError
