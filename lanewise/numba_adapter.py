@@ -207,6 +207,11 @@ class InlinedLibrary:
 
     LLVM would inline it where that seems worth while. Its estimate depends on what else is known of
     the program at that time, and with it depended how a kernel rounds.
+
+    Attributes
+    ----------
+    of : JITCodeLibrary
+        The function's own.
     """
 
     of: Any
