@@ -45,6 +45,12 @@ def played(origin: Scene, seconds: float) -> Scene:
     origin : Scene
         Of `shown_from`.
     seconds : float
+        At or after 0.
+
+    Raises
+    ------
+    SceneError
+        If the file is no longer there, or wrong by now.
     """
     how = origin.source.recipe
     assert how is not None
